@@ -20,6 +20,7 @@ ROBOTS = [
     "models/universal_ur10e.urdf",
     "models/universal_ur5e.urdf",
     "tests/reference/oblique.urdf",
+    "models/robotstudio_so101.urdf",
 ]
 RIGS = ["humanoid", "robot-arm"]
 

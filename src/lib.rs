@@ -88,7 +88,7 @@ pub use kinopt_argmin::argmin_bridge;
 pub use kinopt_arm::simd_ik;
 #[cfg(feature = "arm")]
 #[doc(inline)]
-pub use kinopt_arm::{Arm, arm};
+pub use kinopt_arm::{Arm, arm, calibration};
 #[cfg(feature = "collision")]
 #[doc(inline)]
 pub use kinopt_collision::collision;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kinopt::animation::{EulerClip, Playback};
 use kinopt::model::{Limits, ModelError};
-use kinopt_bindings::problem_file::target::QUATERNION_LENGTH_TOLERANCE;
+use kinopt_bindings::placement::QUATERNION_LENGTH_TOLERANCE;
 use serde::Deserialize;
 
 use crate::failure::Outcome;

@@ -37,6 +37,17 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     quaternion.map(|c| if w < 0.0 { -c + 0.0 } else { c + 0.0 })
 }
 
+impl From<&Placement<f64>> for FramePlacement {
+    fn from(placement: &Placement<f64>) -> Self {
+        Self {
+            position: placement.translation.to_array(),
+            quaternion: quaternion(placement),
+            tail: None,
+            tip: None,
+        }
+    }
+}
+
 /// Placement of a frame; for a bone also those of its tail and tip.
 pub(crate) type Placed = (Placement<f64>, Option<[Placement<f64>; 2]>);
 

@@ -139,6 +139,10 @@ impl LoadedModel {
                 }
                 Self::of_rig(file, rig).with_joints(settings)
             }
+            "xacro" => Err(failure!(
+                "{file}: xacro files are not supported: expand it first with `xacro {file} > OUT.urdf` \
+                 (`pip install xacro`)"
+            )),
             _ if is_robot => Ok(Self::of_robot(file, read_robot(settings, path)?)),
             "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
@@ -388,17 +392,7 @@ impl LoadedModel {
 
     /// Names as of [`joint_names`](Self::joint_names), with the components of quaternions.
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
-        let first = |(coordinate, id): (usize, &JointId)| {
-            let part = coordinate - self.model.coordinate(*id).unwrap_or(coordinate);
-            let joint = self.model.joints().get(id.index());
-            match joint.filter(|joint| joint.kind.is_ball()) {
-                Some(_) => [" w", " x", " y", " z"][part],
-                None => "",
-            }
-        };
-        let parts = self.model.moving_joints().iter().enumerate().map(first);
-        let names = self.joint_names().into_iter().zip(parts);
-        names.map(|(name, part)| format!("{name}{part}")).collect()
+        kinopt_bindings::coordinates::names(&self.model)
     }
 
     /// Names as of [`joint_names`](Self::joint_names), for documents; `None` for a rig, whose bones identify its

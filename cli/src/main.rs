@@ -13,6 +13,7 @@ mod ball_figure;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
+mod calibrate;
 mod check;
 mod choices;
 mod closed_by_fk;
@@ -107,6 +108,7 @@ enum Subcommands {
     Info(info::Arguments),
     Check(check::Arguments),
     Spheres(spheres::Arguments),
+    Calibrate(calibrate::Arguments),
     Animate(animate::Arguments),
     Retarget(retarget::Arguments),
     Bench(bench::Arguments),
@@ -174,6 +176,7 @@ fn main() -> ExitCode {
         Subcommands::Servo(arguments) => solve::many::servo_arguments::run(arguments, json),
         Subcommands::Path(arguments) => path::run(arguments, json),
         Subcommands::Spheres(arguments) => spheres::run(arguments, json),
+        Subcommands::Calibrate(arguments) => calibrate::run(arguments, json),
         Subcommands::Check(arguments) => check::run(arguments, json),
         Subcommands::Retarget(arguments) => retarget::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),

@@ -1,20 +1,14 @@
-//! NumPy files: reader of .npy, writer of .npz.
+//! Reader of NumPy's .npy files.
 //!
 //! A .npy file has a magic string, a version, a header (a Python dictionary in ASCII) and the numbers ("NumPy
-//! Enhancement Proposal 1"). A .npz file is a ZIP archive of .npy files, here uncompressed.
+//! Enhancement Proposal 1").
 
-use std::io::{Cursor, Write};
 use std::path::Path;
-
-use zip::CompressionMethod;
-use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::failure::Outcome;
 use crate::file_access;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// Alignment of the numbers, in bytes.
-const HEADER_ALIGNMENT: usize = 64;
 
 /// Numbers with the lengths of their axes, in C order.
 #[derive(Debug, PartialEq)]
@@ -86,75 +80,11 @@ fn numbers_of<const N: usize>(data: &[u8], number: impl Fn([u8; N]) -> f64) -> V
     numbers.map(|bytes| number(*bytes)).collect()
 }
 
-/// Array of a .npz file.
-pub(crate) enum Column<'a> {
-    Numbers(&'a [f64]),
-    Flags(&'a [bool]),
-    Words(&'a [String]),
-}
-
-/// Bytes of a .npz file with arrays by name, each with the lengths of its axes.
-pub(crate) fn npz(arrays: &[(&str, &[usize], Column<'_>)]) -> Outcome<Vec<u8>> {
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    let stored = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .large_file(true);
-    for (name, shape, column) in arrays {
-        archive.start_file(format!("{name}.npy"), stored)?;
-        archive.write_all(&npy(shape, column))?;
-    }
-    Ok(archive.finish()?.into_inner())
-}
-
-fn npy(shape: &[usize], column: &Column<'_>) -> Vec<u8> {
-    let mut data = Vec::new();
-    let kind = match column {
-        Column::Numbers(numbers) => {
-            data.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-            "<f8".to_owned()
-        }
-        Column::Flags(flags) => {
-            data.extend(flags.iter().map(|flag| u8::from(*flag)));
-            "|b1".to_owned()
-        }
-        Column::Words(words) => {
-            let longest = words
-                .iter()
-                .map(|word| word.chars().count())
-                .max()
-                .unwrap_or(0)
-                .max(1);
-            for word in *words {
-                let letters = word.chars().chain(std::iter::repeat('\0')).take(longest);
-                data.extend(letters.flat_map(|letter| u32::from(letter).to_le_bytes()));
-            }
-            format!("<U{longest}")
-        }
-    };
-    let axes: String = shape.iter().map(|axis| format!("{axis}, ")).collect();
-    let axes = match shape.len() {
-        0 | 1 => axes.trim_end().to_owned(),
-        _ => axes.trim_end_matches(", ").to_owned(),
-    };
-    let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({axes}), }}");
-    let unpadded = MAGIC.len() + 4 + header.len() + 1;
-    header.extend(std::iter::repeat_n(
-        ' ',
-        unpadded.next_multiple_of(HEADER_ALIGNMENT) - unpadded,
-    ));
-    header.push('\n');
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend([1, 0]);
-    // A header of names and three lengths fits 16 bits.
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.bytes());
-    bytes.extend(data);
-    bytes
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Array, Column, npy, parse};
+    use kinopt_bindings::trajectory_file::{Column, npy};
+
+    use super::{Array, parse};
 
     #[test]
     fn npy_written_file_reads_back() {

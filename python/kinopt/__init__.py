@@ -1,7 +1,7 @@
 """Inverse kinematics by optimisation for robot arms and skeletons, with hard limits.
 
-Placements are 4 x 4 arrays (or objects with ``homogeneous``, ``as_matrix()`` or ``A``), metres and radians;
-``world_from_tip`` maps tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
+Placements are 4 x 4 arrays or other forms of ``kinopt.types.PlacementLike``, metres and radians; ``world_from_tip`` maps
+tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
 ``(N, dof)`` configurations.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from . import animation, io, methods, retargeting, skinning, tasks
+from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
@@ -19,8 +19,11 @@ from ._kinopt import (
     ArmDerivative,
     Batch,
     Bone,
+    Calibration,
+    CartesianPath,
     CollisionModel,
     Collision,
+    Coordinates,
     Counts,
     Drag,
     Follower,
@@ -72,8 +75,10 @@ from ._kinopt import (
     TriangleMesh,
     World,
     __version__,
+    calibrate,
     frame_jacobian,
     frame_placement,
+    interpolate,
     solve_path,
 )
 from .errors import (
@@ -93,8 +98,8 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> ModuleType:
-    # Imported on demand, because their optional dependencies may be missing.
-    if name in ("jax", "ray", "torch", "view"):
+    # Imported on demand: their optional dependencies may be missing, or few programs need them.
+    if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
 
@@ -107,9 +112,12 @@ __all__ = [
     "ArmDerivative",
     "Batch",
     "Bone",
+    "Calibration",
+    "CartesianPath",
     "CollisionModel",
     "Collision",
     "Contact",
+    "Coordinates",
     "Counts",
     "Drag",
     "FileError",
@@ -169,14 +177,17 @@ __all__ = [
     "World",
     "__version__",
     "animation",
+    "calibrate",
     "frame_jacobian",
     "frame_placement",
     "guess_map",
+    "interpolate",
     "retarget",
     "retargeting",
     "solve_path",
     "io",
     "methods",
+    "models",
     "placement",
     "skinning",
     "tasks",

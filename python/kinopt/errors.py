@@ -12,8 +12,9 @@ class InvalidValueError(KinoptError, ValueError):
 class UnknownNameError(InvalidValueError, KeyError):
     """An unknown joint, frame or bone; the message lists the valid names."""
 
-    # KeyError would put quotes around the message.
-    __str__ = Exception.__str__
+    def __str__(self) -> str:
+        # KeyError would put quotes around the message.
+        return Exception.__str__(self)
 
 
 class InvalidFileError(KinoptError, ValueError):

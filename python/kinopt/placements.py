@@ -17,19 +17,21 @@ def placement(
     *,
     wxyz: ArrayLike | None = None,
     xyzw: ArrayLike | None = None,
+    rpy: ArrayLike | None = None,
     matrix: ArrayLike | None = None,
 ) -> Floats:
     """A placement of shape (4, 4), or N placements of shape (N, 4, 4): targets for arms, tools, poses.
 
     ``position`` has shape (3,) or (N, 3), metres. The rotation is a quaternion ``wxyz`` (scalar first) or ``xyzw``
-    (scalar last), shape (4,) or (N, 4), of any length but 0. Or it is a ``matrix``, shape (3, 3) or (N, 3, 3), which is
+    (scalar last), shape (4,) or (N, 4), of any length but 0. Or it is ``rpy``, shape (3,) or (N, 3): roll, pitch and yaw in
+    radians about the fixed axes x, y and z, as in URDF. Or it is a ``matrix``, shape (3, 3) or (N, 3, 3), which is
     projected to the nearest rotation, so rounded numbers are accepted. A (4, 4) matrix is accepted too, with its
     position. The default is the identity.
 
     Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that
     mirror or deviate by more than 0.02 from a rotation, more than one rotation.
     """
-    rotations = {"wxyz": wxyz, "xyzw": xyzw, "matrix": matrix}
+    rotations = {"wxyz": wxyz, "xyzw": xyzw, "rpy": rpy, "matrix": matrix}
     rotations = {name: value for name, value in rotations.items() if value is not None}
     if len(rotations) > 1:
         raise InvalidValueError(f"a placement has one rotation, not {' and '.join(rotations)}")
@@ -38,6 +40,8 @@ def placement(
         rotation = _of_quaternion(_numbers(wxyz, "wxyz"), "wxyz")
     elif xyzw is not None:
         rotation = _of_quaternion(np.roll(_numbers(xyzw, "xyzw"), 1, axis=-1), "xyzw")
+    elif rpy is not None:
+        rotation = _of_rpy(_numbers(rpy, "rpy"))
     elif matrix is not None:
         full_matrix = _numbers(matrix, "matrix")
         if full_matrix.shape[-2:] == (4, 4):
@@ -86,6 +90,17 @@ def _of_quaternion(wxyz: Floats, name: str) -> Floats:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def _of_rpy(rpy: Floats) -> Floats:
+    if rpy.shape[-1:] != (3,) or rpy.ndim > 2:
+        raise InvalidValueError(f"rpy has shape {rpy.shape}, expected (3,) or (N, 3)")
+    half_angles, axes = rpy[..., ::-1] / 2, np.eye(3)[::-1]
+    yaw, pitch, roll = (
+        _of_quaternion(np.concatenate([np.cos(half)[..., None], np.sin(half)[..., None] * axis], axis=-1), "rpy")
+        for half, axis in zip(np.moveaxis(half_angles, -1, 0), axes)
+    )
+    return yaw @ pitch @ roll
 
 
 def _nearest_rotation(matrix: Floats) -> Floats:

@@ -64,12 +64,13 @@ class Task:
     level: int = field(default=0, kw_only=True)
 
     _kind: ClassVar[str]
-    # Fields that are names of frames, numbers, vectors with their length (None: any), and placements. Frames and
-    # placements with a default are optional.
+    # Fields that are names of frames, numbers, vectors with their length (None: any), placements, and placements under the
+    # bounds of ``goal``. Frames and placements with a default are optional.
     _frames: ClassVar[tuple[str, ...]] = ()
     _numbers: ClassVar[tuple[str, ...]] = ()
     _vectors: ClassVar[Mapping[str, int | None]] = {}
     _placements: ClassVar[tuple[str, ...]] = ()
+    _targets: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         self._check_common()
@@ -82,6 +83,11 @@ class Task:
         for name in self._placements:
             if not (getattr(self, name) is None and hasattr(type(self), name)):
                 self._keep(name, _compiled.placement(getattr(self, name), name))
+        goal = getattr(self, "goal", None)
+        if goal is not None:
+            self._keep("goal", _compiled.goal(goal))
+        for name in self._targets:
+            self._keep(name, _compiled.target(getattr(self, name), name, goal))
 
     def _check_common(self) -> None:
         self._check_name("name", self.name)
@@ -175,11 +181,11 @@ class Point(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pose(Task):
-    """Pose of ``frame`` at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
+    """Pose of ``frame`` at the placement ``target``: three rows in metres, three in radians.
 
-    ``tool``, shape (4, 4), is the placement in the frame that reaches the target; by default the frame itself.
-    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which
-    may move with the joints.
+    ``tool`` is the placement in the frame that reaches the target; by default the frame itself. ``goal``, a
+    ``kinopt.PoseBounds``, ``"pose"`` or ``"position"``, sets the goal bounds. The target is in the world, or in the
+    frame ``base``, which may move with the joints. A target that is a position requires ``goal="position"``.
 
     Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
@@ -187,17 +193,13 @@ class Pose(Task):
     frame: str
     target: PlacementLike
     tool: PlacementLike | None = field(default=None, kw_only=True)
-    goal: PoseBounds | None = field(default=None, kw_only=True)
+    goal: PoseBounds | Literal["pose", "position"] | None = field(default=None, kw_only=True)
     base: str | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
     _frames = ("frame", "base")
-    _placements = ("target", "tool")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not (self.goal is None or isinstance(self.goal, PoseBounds)):
-            raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
+    _targets = ("target",)
+    _placements = ("tool",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -382,7 +384,7 @@ class LimitCentring(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RelativePose(Task):
-    """Pose of ``frame`` at ``target`` in the frame ``base``, with either of them moving: a placement, (4, 4).
+    """Pose of ``frame`` at ``target`` in the frame ``base``, with either of them moving: a placement.
 
     Three rows in metres, three in radians, in the axes of the base. It is a `Pose` with ``base`` as the second
     argument; ``tool`` and ``goal`` are those of `Pose`.
@@ -394,16 +396,12 @@ class RelativePose(Task):
     base: str
     target: PlacementLike
     tool: PlacementLike | None = field(default=None, kw_only=True)
-    goal: PoseBounds | None = field(default=None, kw_only=True)
+    goal: PoseBounds | Literal["pose", "position"] | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
     _frames = ("frame", "base")
-    _placements = ("target", "tool")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not (self.goal is None or isinstance(self.goal, PoseBounds)):
-            raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
+    _targets = ("target",)
+    _placements = ("tool",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -507,7 +505,7 @@ class Gaze(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrameVelocity(Task):
-    """Velocity of ``frame`` since its pose ``previous``, (4, 4), ``time_step_s`` seconds ago.
+    """Velocity of ``frame`` since its pose ``previous``, ``time_step_s`` seconds ago.
 
     ``linear`` is in m/s, of its origin, ``angular`` in rad/s, both in world axes, shape (3,), default zero. Three rows
     in metres per second and three in radians per second.
@@ -525,7 +523,7 @@ class FrameVelocity(Task):
     _frames = ("frame",)
     _numbers = ("time_step_s",)
     _vectors = {"linear": 3, "angular": 3}
-    _placements = ("previous",)
+    _targets = ("previous",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,8 +1,8 @@
 //! Goal bounds: components of a pose that are constrained.
 
-use kinopt_bindings::names::{AXES, named};
+use kinopt_bindings::names::{self, AXES, named};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
@@ -25,8 +25,37 @@ impl From<kinopt::task::PoseBounds> for PoseBounds {
     }
 }
 
+/// Reads goal bounds: a `PoseBounds`, "pose" or "position".
+pub(crate) fn pose_bounds(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+) -> PyResult<kinopt::task::PoseBounds> {
+    if let Ok(goal) = value.cast::<PoseBounds>() {
+        return Ok(goal.get().inner);
+    }
+    match value.extract::<String>() {
+        Ok(name) => names::goal(&name).or_raise(),
+        Err(_) => Err(invalid(format!(
+            "{what} must be a kinopt.PoseBounds, \"pose\" or \"position\", not {}",
+            arrays::shown(value)
+        ))),
+    }
+}
+
 #[pymethods]
 impl PoseBounds {
+    #[new]
+    #[pyo3(signature = (*_arguments, **_keywords))]
+    fn new(
+        _arguments: &Bound<'_, PyTuple>,
+        _keywords: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        Err(invalid(
+            "PoseBounds has no arguments: use PoseBounds.pose(), PoseBounds.position(), PoseBounds.free_about(axis), \
+             PoseBounds.free_along(axis) or PoseBounds.within(half_widths)",
+        ))
+    }
+
     /// Position and orientation, exactly.
     #[classmethod]
     fn pose(_class: &Bound<'_, PyType>) -> Self {

@@ -2,58 +2,50 @@
 
 use std::sync::Arc;
 
-use kinopt::arm::JointJump as InnerJump;
 use kinopt::motion::path::TimingLimits;
+use kinopt_bindings::per_joint::per_joint;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::arm::Arm;
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
+use crate::in_python;
 use crate::joint_jump::JointJump;
+use crate::object::Object;
 use crate::pickling;
 use crate::trajectory::{TimedSpline, Trajectory};
 
 /// Joint path of an arm: one configuration a row, with its jumps and a report. `arm.track` reports the `Solutions` of
 /// the rows, `solve_path` a `PathReport`.
 #[pyclass(frozen, generic, module = "kinopt")]
-#[derive(Serialize, Deserialize)]
 pub(crate) struct JointPath {
     inner: kinopt::arm::JointPath<()>,
-    /// Names of the joints, the columns of `q`.
+    /// The arm of the path.
     #[pyo3(get)]
-    joint_names: Vec<String>,
+    arm: Py<Arm>,
     /// True if all rows are reached without jumps, and all steps are collision-free.
     #[pyo3(get)]
     reached: bool,
-    /// Velocity and acceleration limits of the arm, rad/s or m/s, and rad/s² or m/s².
-    #[serde(with = "pickling::limits")]
-    rates: [Vec<f64>; 2],
     /// Errors of the path: `Solutions` or a `PathReport`.
     #[pyo3(get)]
-    #[serde(skip, default = "none")]
     report: Py<PyAny>,
-}
-
-/// Report of a path that is being unpickled.
-fn none() -> Py<PyAny> {
-    Python::attach(|py| py.None())
 }
 
 impl JointPath {
     /// Path of an arm with a report in Python.
     pub(crate) fn new(
-        arm: &kinopt::Arm,
+        arm: &Bound<'_, Arm>,
         inner: kinopt::arm::JointPath<()>,
         reached: bool,
         report: Py<PyAny>,
     ) -> Self {
+        let arm = arm.clone().unbind();
         Self {
             inner,
-            joint_names: arm.joints().map(str::to_owned).collect(),
+            arm,
             reached,
-            rates: [arm.velocity_limits(), arm.acceleration_limits()].map(<[f64]>::to_vec),
             report,
         }
     }
@@ -66,16 +58,18 @@ impl JointPath {
     /// `Robot.with_joint_limits`. The arm is at rest before and after a reconfiguration. Equal to
     /// `trajectory(acceleration_limits, velocity_limits).times`.
     ///
-    /// Raises `InvalidValueError` for limits that are not above 0, and if no moving joint has a finite acceleration
-    /// limit.
-    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None))]
+    /// Raises `InvalidValueError` for limits that are not above 0, if no moving joint has a finite acceleration limit,
+    /// and for `unreached` rows unless `allow_unreached` is True.
+    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None, allow_unreached = false))]
     fn times<'py>(
         &self,
         py: Python<'py>,
         acceleration_limits: Option<&Bound<'py, PyAny>>,
         velocity_limits: Option<&Bound<'py, PyAny>>,
+        allow_unreached: bool,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let limits = self.timing_limits(acceleration_limits, velocity_limits)?;
+        let limits = limits.with_unreached_allowed(allow_unreached);
         let solved = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
         Ok(PyArray1::from_slice(py, &solved.times))
     }
@@ -85,14 +79,16 @@ impl JointPath {
     ///
     /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of
     /// accelerations, unbounded by default. `tool_linear_limits` and `tool_angular_limits`: largest speed and
-    /// acceleration of the tool, in metres or radians and seconds; they require `arm`. `corner_tolerance`: largest
-    /// distance of a joint from the path at a blended corner, radians or metres; with 0 the arm stops at corners.
-    /// `grid_points`: number of samples of the speed profile over the whole path.
+    /// acceleration of the tool, in metres or radians and seconds. `arm`: the arm of this tool, by default that of the
+    /// path. `corner_tolerance`: largest distance of a joint from the path at a blended corner, radians or metres; with
+    /// 0 the arm stops at corners. `grid_points`: number of samples of the speed profile over the whole path.
+    /// `allow_unreached`: times a path with `unreached` rows too, which is an error by default.
     ///
     /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError` with the
     /// option and joint.
     #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None, jerk_limits = None, arm = None,
-        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
+        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000,
+        allow_unreached = false))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn trajectory(
         &self,
@@ -105,14 +101,13 @@ impl JointPath {
         tool_angular_limits: Option<&Bound<'_, PyAny>>,
         corner_tolerance: f64,
         grid_points: usize,
+        allow_unreached: bool,
     ) -> PyResult<Trajectory> {
-        let arm_inner = arm.map(|arm| Arc::clone(&arm.get().inner));
+        let arm = arm.map_or_else(|| self.arm.get(), Bound::get);
+        let arm_inner = Arc::clone(&arm.inner);
         let mut limits = self.timing_limits(acceleration_limits, velocity_limits)?;
         if let Some(jerks) = jerk_limits {
             limits = limits.with_jerk_limits(&self.one_each(jerks, "jerk_limits")?);
-        }
-        if let Some(arm) = arm_inner.as_deref() {
-            limits = limits.with_arm(arm);
         }
         let tool_linear_limits =
             tool_limits(tool_linear_limits, "tool_linear_limits", "m/s and m/s²")?;
@@ -121,6 +116,9 @@ impl JointPath {
             "tool_angular_limits",
             "rad/s and rad/s²",
         )?;
+        if tool_linear_limits.is_some() || tool_angular_limits.is_some() {
+            limits = limits.with_arm(&arm_inner);
+        }
         if let Some((speed, acceleration)) = tool_linear_limits {
             limits = limits.with_tool_linear_limits(speed, acceleration);
         }
@@ -129,11 +127,14 @@ impl JointPath {
         }
         let limits = limits
             .with_corner_tolerance(corner_tolerance)
-            .with_grid_points(grid_points);
+            .with_grid_points(grid_points)
+            .with_unreached_allowed(allow_unreached);
         let trajectory = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
         let (trajectory, spline) = trajectory.split_report();
         let report = Py::new(py, TimedSpline::new(spline, self.inner.nq))?.into_any();
-        Ok(Trajectory::of(trajectory, self.joint_names.clone(), report))
+        let coordinates = self.coordinates(py);
+        let model = self.arm.clone_ref(py).into_any();
+        Ok(Trajectory::of(trajectory, coordinates, report, Some(model)))
     }
 
     /// One configuration for each point or target, shape (N, dof), radians or metres.
@@ -145,8 +146,58 @@ impl JointPath {
     /// Steps in which a joint moves farther than its bound, in order. `solve_path` lists reconfigurations only.
     #[getter]
     fn jumps(&self) -> Vec<JointJump> {
-        let name = |jump: &InnerJump| JointJump::new(jump, &self.joint_names[jump.joint]);
-        self.inner.jumps.iter().map(name).collect()
+        JointJump::of_arm(&self.arm.get().inner, &self.inner.jumps)
+    }
+
+    /// Names of the joints, the columns of `q`.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.arm.get().inner.joints().collect()
+    }
+
+    /// Names, limits and units of the columns of `q`.
+    #[getter]
+    fn coordinates(&self, py: Python<'_>) -> Py<Coordinates> {
+        self.arm.get().coordinates.clone_ref(py)
+    }
+
+    /// Table with one row for each point and one column for each joint: a pandas `DataFrame`.
+    ///
+    /// Raises `ImportError` without pandas, which the extra `tables` installs.
+    fn to_frame<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_frame", "kinopt.tables", slf, &[])
+    }
+
+    /// Table as of `to_frame`: a pyarrow `Table`.
+    ///
+    /// Raises `ImportError` without pyarrow, which the extra `tables` installs.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_arrow", "kinopt.tables", slf, &[])
+    }
+
+    /// Draws the joints by row with their limits and jumps, and the path of the tool: a matplotlib `Figure`.
+    ///
+    /// `joints`: names of the joints to draw, by default all. `figure`: a `Figure` or `SubFigure` to draw into, by
+    /// default a new one. Raises `UnknownNameError` for a joint, and `ImportError` without matplotlib, which the extra
+    /// `plot` installs.
+    #[pyo3(signature = (*, joints = None, figure = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        joints: Option<&Bound<'py, PyAny>>,
+        figure: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let keywords = [("joints", joints), ("figure", figure)];
+        in_python::call("plot_path", "kinopt.plots", slf, &keywords)
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("path_page", "kinopt.plots.html", slf, &[])
+    }
+
+    /// Rows that are not reached, or whose step is not proven collision-free, in order. The report has the reasons.
+    #[getter]
+    fn unreached(&self) -> Vec<usize> {
+        self.inner.unreached.clone()
     }
 
     fn __len__(&self) -> usize {
@@ -164,14 +215,19 @@ impl JointPath {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let json = serde_json::to_string(self).or_raise()?;
-        pickling::by_rebuild::<Self>(py, (json, self.report.clone_ref(py)))
+        let json = serde_json::to_string(&self.inner).or_raise()?;
+        let (arm, report) = (self.arm.clone_ref(py), self.report.clone_ref(py));
+        pickling::by_rebuild::<Self>(py, (arm, json, self.reached, report))
     }
 
     #[staticmethod]
-    fn _rebuild(json: &str, report: Py<PyAny>) -> PyResult<Self> {
-        let path = pickling::of_json(json)?;
-        Ok(Self { report, ..path })
+    fn _rebuild(arm: Py<Arm>, json: &str, reached: bool, report: Py<PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            inner: pickling::of_json(json)?,
+            arm,
+            reached,
+            report,
+        })
     }
 }
 
@@ -194,12 +250,10 @@ fn tool_limits(
 }
 
 impl JointPath {
-    /// Returns one number for each joint, from a list or from one number for all.
+    /// Returns one number for each joint, from a list, from one number for all, or from a dict by joint name.
     fn one_each(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
-        match value.extract::<f64>() {
-            Ok(one) => Ok(vec![one; self.joint_names.len()]),
-            Err(_) => arrays::copied(value, what),
-        }
+        let names: Vec<String> = self.arm.get().inner.joints().map(str::to_owned).collect();
+        per_joint(&Object::of(value), what, &names, None)
     }
 
     /// Joint limits, by default those of the arm.
@@ -212,9 +266,14 @@ impl JointPath {
             None => Ok(defaults.to_vec()),
             Some(value) => self.one_each(value, what),
         };
-        let [velocities, accelerations] = &self.rates;
-        let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
-        let accelerations = limits(acceleration_limits, "acceleration_limits", accelerations)?;
-        Ok(TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joint_names))
+        let arm = &self.arm.get().inner;
+        let velocities = limits(velocity_limits, "velocity_limits", arm.velocity_limits())?;
+        let accelerations = limits(
+            acceleration_limits,
+            "acceleration_limits",
+            arm.acceleration_limits(),
+        )?;
+        let names: Vec<String> = arm.joints().map(str::to_owned).collect();
+        Ok(TimingLimits::new(&velocities, &accelerations).with_joint_names(&names))
     }
 }

@@ -9,6 +9,7 @@ use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, axes};
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
@@ -165,7 +166,8 @@ impl ForwardKinematics {
             Ok(())
         };
         let shape = [self.frames.names.len(), 4, 4];
-        for_each_configuration(q, &shape, &self.pool, write_placements, dof)
+        let q = configuration::of_model(self.frames.model.bind(q.py()), q, "q")?;
+        for_each_configuration(&q, &shape, &self.pool, write_placements, dof)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -197,7 +199,8 @@ impl Jacobian {
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        jacobians(q, &self.pool, self.frames.names.len())
+        let q = configuration::of_model(self.frames.model.bind(q.py()), q, "q")?;
+        jacobians(&q, &self.pool, self.frames.names.len())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

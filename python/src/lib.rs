@@ -10,14 +10,18 @@ use pyo3::prelude::*;
 mod animation;
 mod arm;
 mod arrays;
+mod calibration;
 mod capture;
+mod cartesian_path;
 mod collision;
 mod configuration;
 mod contents;
+mod coordinates;
 mod error;
 mod file_access;
 mod goal;
 mod has_model;
+mod in_python;
 mod io;
 mod items;
 mod joint_jump;
@@ -60,9 +64,15 @@ mod _kinopt {
     #[pymodule_export]
     use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
     #[pymodule_export]
+    use super::calibration::{Calibration, calibrate};
+    #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
+    use super::cartesian_path::CartesianPath;
+    #[pymodule_export]
     use super::collision::{CollisionModel, SphereModel};
+    #[pymodule_export]
+    use super::coordinates::Coordinates;
     #[pymodule_export]
     use super::goal::PoseBounds;
     #[pymodule_export]
@@ -83,6 +93,8 @@ mod _kinopt {
     use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionReport};
     #[pymodule_export]
     use super::path::{MissedPoint, PathReport, solve_path};
+    #[pymodule_export]
+    use super::placement::interpolate;
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
@@ -114,7 +126,7 @@ mod _kinopt {
     #[pymodule]
     mod tasks {
         #[pymodule_export]
-        use crate::problem::{Camera, numbers, placement, rotation};
+        use crate::problem::{Camera, goal, numbers, placement, rotation, target};
     }
 
     #[pymodule_init]

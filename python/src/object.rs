@@ -5,13 +5,14 @@ use std::time::Duration;
 use kinopt::SizeMismatch;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt_bindings::names::quantity;
+use kinopt_bindings::placement::PoseTarget;
 use kinopt_bindings::{Arguments, ErrorKind, QuantityValues, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid, raise};
-use crate::goal::PoseBounds;
+use crate::goal::pose_bounds;
 use crate::placement;
 use crate::problem::Camera;
 
@@ -62,6 +63,13 @@ impl Value for Object {
 
     fn as_text(&self) -> Option<String> {
         self.with(|value| value.extract().ok())
+    }
+
+    fn as_number(&self) -> Option<f64> {
+        self.with(|value| {
+            let is_scalar = arrays::axes(value).is_ok_and(|axes| axes == 0);
+            value.extract().ok().filter(|_| is_scalar)
+        })
     }
 
     fn is_map(&self) -> bool {
@@ -136,17 +144,16 @@ impl Value for Object {
         self.with(|value| placement::placement(value, what))
     }
 
+    fn pose_target(&self, what: &str) -> PyResult<PoseTarget> {
+        self.with(|value| placement::pose_target(value, what))
+    }
+
     fn rotation(&self, what: &str) -> PyResult<Matrix3<f64>> {
         self.with(|value| placement::rotation(value, what))
     }
 
     fn pose_bounds(&self, what: &str) -> PyResult<kinopt::task::PoseBounds> {
-        self.with(|value| match value.cast::<PoseBounds>() {
-            Ok(goal) => Ok(goal.get().inner),
-            Err(_) => Err(invalid(format!(
-                "{what} must be a kinopt.PoseBounds, not {value}"
-            ))),
-        })
+        self.with(|value| pose_bounds(value, what))
     }
 
     fn camera(&self, _what: &str) -> PyResult<kinopt::task::Camera> {

@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::path::{self, CartesianPath, QuaternionOrder};
-use kinopt::spatial::{Placement, Quaternion, Vector3};
+use kinopt::motion::path::{self, QuaternionOrder};
 use kinopt_bindings::names::miss_reason;
 use kinopt_bindings::option::path::{PathOptions, TRAVERSALS};
+use kinopt_bindings::per_joint::per_joint;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::arm::Arm;
-use crate::arrays::{self, shape_text};
+use crate::arrays;
+use crate::cartesian_path::{CartesianPath, path_of};
 use crate::error::{OrRaise, invalid};
 use crate::joint_path::JointPath;
 use crate::object::Object;
@@ -97,35 +98,35 @@ impl PathReport {
 /// Solves a Cartesian path of an arm's tool with the fewest reconfigurations, then the shortest: a `JointPath` with
 /// a `PathReport`.
 ///
-/// `path` has one of three forms. Placements: shape (N, 4, 4) or a list of them. Points: shape (N, 7) (x, y, z, then a
-/// quaternion w, x, y, z) or (N, 3). A table: the path of its file, whose header names the columns. `order`, "w-first"
-/// or "w-last", is that of unnamed quaternion columns. Between two points the tool moves straight and rotates at a
-/// constant rate. The arm defines the goal bounds and the obstacles.
+/// `path` has one of three forms. A `CartesianPath`. Placements, as in `Arm.solve_batch`. A table: the path of its file,
+/// whose header names the columns. `order`, "w-first" or "w-last", is that of unnamed quaternion columns and of points
+/// of shape (N, 7). Between two points the tool moves straight and rotates at a constant rate. The arm defines the goal
+/// bounds and the obstacles. Positions alone require an arm with `goal="position"`.
 ///
 /// `times`: seconds, shape (N,). With `keep_times`, a step that is too fast for a joint also counts as a
 /// reconfiguration. `traversal`: "open", "cyclic" (repeatedly, ends in its first configuration) or "any-start" (once
-/// around, from the best point). `start` and `end`: configurations of the first and last row. `joint_weights`: weight
-/// of a radian or metre of each joint in lengths. `max_step`: largest joint displacement from point to point on one
+/// around, from the best point). `start` and `end`: configurations of the first and last row, shape (dof,) or a dict by
+/// joint name. `joint_weights`: weight of a radian or metre of each joint in lengths, or one number for all. `max_step`: largest joint displacement from point to point on one
 /// branch, radians. `samples`: largest number of configurations for each point. `tools`: for `tool_of_points` (N,), or
 /// the column `tool` of a table, which give the arm of each point: 0 is this one, 1 and so on are those of `tools`
 /// (`arm.with_tool`).
 ///
 /// Raises `InvalidValueError` with the point or option, and `FileError` or `InvalidFileError` for a file.
 #[pyfunction]
-#[pyo3(signature = (arm, path, *, times = None, keep_times = false, traversal = None, start = None, end = None, joint_weights = None,
-    max_step = 0.2, samples = 256, tools = None, tool_of_points = None, order = None))]
+#[pyo3(signature = (arm, path, *, start = None, end = None, traversal = None, joint_weights = None,
+    max_step = 0.2, times = None, keep_times = false, samples = 256, tools = None, tool_of_points = None, order = None))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
 pub(crate) fn solve_path(
     py: Python<'_>,
     arm: &Bound<'_, Arm>,
     path: &Bound<'_, PyAny>,
-    times: Option<&Bound<'_, PyAny>>,
-    keep_times: bool,
-    traversal: Option<&Bound<'_, PyAny>>,
     start: Option<&Bound<'_, PyAny>>,
     end: Option<&Bound<'_, PyAny>>,
+    traversal: Option<&Bound<'_, PyAny>>,
     joint_weights: Option<&Bound<'_, PyAny>>,
     max_step: f64,
+    times: Option<&Bound<'_, PyAny>>,
+    keep_times: bool,
     samples: usize,
     tools: Option<Vec<Bound<'_, Arm>>>,
     tool_of_points: Option<Vec<usize>>,
@@ -135,13 +136,22 @@ pub(crate) fn solve_path(
     let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
         value.map(|value| arrays::copied(value, what)).transpose()
     };
+    let joints: Vec<String> = arm.get().inner.joints().map(str::to_owned).collect();
+    let configuration = |value: Option<&Bound<'_, PyAny>>, what: &str| {
+        let value = value
+            .map(|value| arm.get().by_position(value, what))
+            .transpose()?;
+        numbers(value.as_ref(), what)
+    };
     let options = PathOptions {
         times: numbers(times, "times")?,
         keep_times,
         traversal: one_of(traversal, "traversal", TRAVERSALS)?,
-        start: numbers(start, "start")?,
-        end: numbers(end, "end")?,
-        joint_weights: numbers(joint_weights, "joint_weights")?,
+        start: configuration(start, "start")?,
+        end: configuration(end, "end")?,
+        joint_weights: joint_weights
+            .map(|weights| per_joint(&Object::of(weights), "joint_weights", &joints, Some(1.0)))
+            .transpose()?,
         max_step,
         samples,
         tool_of_points,
@@ -158,7 +168,7 @@ pub(crate) fn solve_path(
     let reached = solution.reached();
     let (solution, report) = solution.split_report();
     let report = Py::new(py, path_report(report, read_as))?.into_any();
-    Ok(JointPath::new(&inner_arm, solution, reached, report))
+    Ok(JointPath::new(arm, solution, reached, report))
 }
 
 fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport {
@@ -188,37 +198,31 @@ fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport 
 fn read(
     path: &Bound<'_, PyAny>,
     order: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(CartesianPath, Option<String>)> {
+) -> PyResult<(path::CartesianPath, Option<String>)> {
     let orders = [
         ("w-first", QuaternionOrder::WFirst),
         ("w-last", QuaternionOrder::WLast),
     ];
     let order = one_of(order, "order", orders)?;
     if let Ok(file) = path.extract::<PathBuf>() {
-        let (path, columns) = CartesianPath::read(file, order).or_raise()?;
+        let (path, columns) = path::CartesianPath::read(file, order).or_raise()?;
         return Ok((path, Some(columns.to_string())));
     }
-    let array = path.py().import("numpy")?.call_method1("asarray", (path,));
-    let shape = array.and_then(|array| array.getattr("shape")?.extract::<Vec<usize>>());
-    let points = match shape.as_deref() {
-        Ok([_, 3 | 7]) => {
-            let rows = arrays::convert::<f64>(path, "path")?;
-            let rows = rows.extract::<Vec<Vec<f64>>>()?;
-            let points = rows
-                .iter()
-                .enumerate()
-                .map(|(row, numbers)| point(row, numbers, order));
-            points.collect::<PyResult<Vec<_>>>()?
+    if let Ok(path) = path.cast::<CartesianPath>() {
+        return Ok((path.get().inner.clone(), None));
+    }
+    let numpy = arrays::numpy(path.py())?;
+    let shape = numpy.call_method1("shape", (path,));
+    let shape = shape.and_then(|shape| shape.extract::<Vec<usize>>());
+    let path = match (shape.as_deref(), order) {
+        (Ok([_, 7]), QuaternionOrder::WLast) => {
+            &numpy.call_method1("take", (path, [0, 1, 2, 6, 3, 4, 5], 1))?
         }
-        Ok(shape @ [_, _]) => {
-            return Err(invalid(format!(
-                "path has shape {}, expected (N, 4, 4), (N, 7) or (N, 3)",
-                shape_text(shape)
-            )));
-        }
-        _ => placements(path, "path")?.to_vec("point")?,
+        _ => path,
     };
-    Ok((CartesianPath::new(points).or_raise()?, None))
+    let placements = placements(path, "point")?;
+    let path = path_of(placements.to_vec("point")?, placements.oriented)?;
+    Ok((path, None))
 }
 
 /// Returns the value of a word; the first of all without a word.
@@ -239,28 +243,4 @@ fn one_of<const N: usize, T: Copy>(
             valid.join(", ")
         ))
     })
-}
-
-fn point(row: usize, numbers: &[f64], order: QuaternionOrder) -> PyResult<Placement<f64>> {
-    let &[x, y, z, a, b, c, d] = numbers else {
-        let position = numbers.first_chunk().copied().unwrap_or([f64::NAN; 3]);
-        return Ok(Placement::translation(Vector3::from(position)));
-    };
-    let (w, v) = match order {
-        QuaternionOrder::WFirst => (a, Vector3::new(b, c, d)),
-        QuaternionOrder::WLast => (d, Vector3::new(a, b, c)),
-    };
-    let length = (w * w + v.norm_squared()).sqrt();
-    // Negated test: NaN fails it.
-    let unit = (length - 1.0).abs() <= 1e-3;
-    if !unit {
-        return Err(invalid(format!(
-            "point {row} of the path: its quaternion has length {length}, 1 is needed"
-        )));
-    }
-    let unit = Quaternion {
-        w: w / length,
-        v: v * length.recip(),
-    };
-    Ok(Placement::new(unit.to_matrix(), Vector3::new(x, y, z)))
 }

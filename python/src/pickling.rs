@@ -49,34 +49,6 @@ pub(crate) fn of_json<T: DeserializeOwned>(json: &str) -> PyResult<T> {
     serde_json::from_str(json).or_raise()
 }
 
-/// Numbers in JSON, which has no infinity: null.
-pub(crate) mod limits {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    /// Writes infinite limits as null.
-    pub(crate) fn serialize<S: Serializer>(
-        limits: &[Vec<f64>; 2],
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        let finite = |limits: &Vec<f64>| -> Vec<Option<f64>> {
-            let limits = limits.iter().copied();
-            limits
-                .map(|limit| Some(limit).filter(|limit| limit.is_finite()))
-                .collect()
-        };
-        limits.each_ref().map(finite).serialize(serializer)
-    }
-
-    /// Reads null as infinity.
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<[Vec<f64>; 2], D::Error> {
-        let limits = <[Vec<Option<f64>>; 2]>::deserialize(deserializer)?;
-        let infinite = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
-        Ok(limits.map(|limits| limits.into_iter().map(infinite).collect()))
-    }
-}
-
 /// Rebuilds by the class itself, called with a tuple of arguments whose last ones are these keywords.
 pub(crate) fn by_arguments<'py, T: PyTypeInfo>(
     py: Python<'py>,

@@ -80,11 +80,11 @@ def test_solutions_stay_within_cones_of_file_or_dict(wave: Path, tmp_path: Path)
 def test_skeleton_is_pickled_and_copied(wave: Path) -> None:
     cones = {"Arm": {"swing": (0.5, 0.25), "about": [0, 1, 0], "axis": [1, 0, 0], "twist": (-0.1, 0.2)}}
     figure = kinopt.BallSkeleton.read(wave, cones=cones, root="free", bounds={"y": (-1.0, 1.0)})
-    q = figure.model.random_configuration(3)
+    q = figure.model.random_configuration(seed=3)
     for again in (pickle.loads(pickle.dumps(figure)), copy.deepcopy(figure)):
         assert repr(again) == repr(figure)
         np.testing.assert_array_equal(again.pose(q), figure.pose(q))
-        np.testing.assert_array_equal(again.model.random_configuration(3), q)
+        np.testing.assert_array_equal(again.model.random_configuration(seed=3), q)
 
 
 def test_rig_skeleton_has_ball_joints() -> None:

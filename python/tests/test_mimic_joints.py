@@ -40,10 +40,10 @@ def test_configurations_of_a_robot_honour_mimic_joints():
     np.testing.assert_array_equal(robot.neutral(), [0.0, 0.1])
     tip = kinopt.frame_placement(robot, "tip", robot.neutral())[:3, 3]
     np.testing.assert_allclose(tip, [0.5 * np.cos(0.1), 0.5 * np.sin(0.1), 0.0], atol=1e-15)
-    many = robot.random_configuration(4, 50)
+    many = robot.random_configuration(50, seed=4)
     np.testing.assert_allclose(many[:, 1], 2.0 * many[:, 0] + 0.1, atol=1e-15)
     assert np.ptp(many[:, 0]) > 0.8
-    np.testing.assert_array_equal(many[3], robot.random_configuration(7))
+    np.testing.assert_array_equal(many[3], robot.random_configuration(seed=7))
     assert all(robot.is_within_limits(q) for q in many)
     assert not robot.is_within_limits(many[0] + [0.0, 1e-6])
     np.testing.assert_array_equal(robot.apply_mimics([0.3, 9.0]), [0.3, 0.7])
@@ -57,7 +57,7 @@ def test_residual_takes_random_configurations(file):
     robot = kinopt.Robot.from_urdf(file)
     problem = kinopt.Problem(robot, [tasks.Point(robot.tips[0], [0.1, 0.2, 0.3])])
     for seed in range(5):
-        q = robot.random_configuration(seed)
+        q = robot.random_configuration(seed=seed)
         assert robot.is_within_limits(q)
         tip = kinopt.frame_placement(robot, robot.tips[0], q)[:3, 3]
         np.testing.assert_allclose(np.linalg.norm(problem.residual(q)), np.linalg.norm(tip - [0.1, 0.2, 0.3]), atol=1e-9)

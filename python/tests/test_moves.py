@@ -86,7 +86,7 @@ def test_geometric_methods_keep_moves_reject_balls(body, problem, method):
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_batch_limits_moves_from_each_start(body, problem, threads):
-    starts = body.random_configuration(3, 20)
+    starts = body.random_configuration(20, seed=3)
     max_move = np.full(12, 0.03)
     solver = kinopt.Solver()
     batch = solver.solve_batch(problem, starts, max_move=max_move, threads=threads)

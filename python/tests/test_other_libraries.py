@@ -37,7 +37,7 @@ def test_configuration_of_pinocchio_places_equal_frames(base):
     model = pin.buildModelFromXML(URDF, *roots[base])
     data = model.createData()
     for seed in range(10):
-        q = robot.random_configuration(seed)
+        q = robot.random_configuration(seed=seed)
         other = robot.to_pinocchio(q)
         assert other.shape == (model.nq,)
         pin.framesForwardKinematics(model, data, other)
@@ -45,7 +45,7 @@ def test_configuration_of_pinocchio_places_equal_frames(base):
             placed = data.oMf[model.getFrameId(frame)].homogeneous
             np.testing.assert_allclose(placed, kinopt.frame_placement(robot, frame, q), atol=1e-12)
         np.testing.assert_allclose(robot.from_pinocchio(other), q, atol=1e-12)
-    many = robot.random_configuration(3, 4)
+    many = robot.random_configuration(4, seed=3)
     np.testing.assert_array_equal(robot.to_pinocchio(many)[2], robot.to_pinocchio(many[2]))
 
 
@@ -59,7 +59,7 @@ def test_configuration_of_mujoco_places_equal_frames():
     model = mujoco.MjModel.from_xml_string(weighed(text).replace("</robot>", options))
     data = mujoco.MjData(model)
     for seed in range(10):
-        q = robot.random_configuration(seed)
+        q = robot.random_configuration(seed=seed)
         data.qpos[:] = robot.to_mujoco(q)
         mujoco.mj_kinematics(model, data)
         for body in range(2, model.nbody):
@@ -76,7 +76,7 @@ def test_mjcf_configuration_is_that_of_mujoco(tmp_path):
         '<geom size="0.1"/></body></body></worldbody></mujoco>'
     )
     robot = kinopt.Robot.from_mjcf(file)
-    q = robot.random_configuration(1)
+    q = robot.random_configuration(seed=1)
     np.testing.assert_array_equal(robot.to_mujoco(q), q)
     with pytest.raises(kinopt.InvalidValueError, match="to_mujoco"):
         robot.to_pinocchio(q)

@@ -36,14 +36,14 @@ def user_residual(**about):
 def test_residual_equals_the_library_task(robot, jacobian):
     problem = kinopt.Problem(robot, [user_residual(jacobian=jacobian)])
     theirs = kinopt.Problem(robot, [tasks.Point("tool", TARGET)])
-    x = robot.random_configuration(1)[:8]
+    x = robot.random_configuration(seed=1)[:8]
     assert np.array_equal(problem.residual(x), theirs.residual(x))
     allowed = 1e-12 if jacobian else 1e-8
     for route in ("analytic", "dual"):
         ours = problem.with_derivatives(route).jacobian(x)
         assert np.abs(ours - theirs.jacobian(x)).max() <= allowed
     assert np.allclose(problem.gradient(x), theirs.gradient(x), rtol=0, atol=1e-7)
-    for start in robot.random_configuration(2, 10):
+    for start in robot.random_configuration(10, seed=2):
         solution = kinopt.Solver().solve(problem, start)
         assert solution.reached and solution.position_error <= 1e-6
         placement = kinopt.frame_placement(robot, "tool", solution.q)
@@ -71,7 +71,7 @@ def test_residual_reads_frames_joints_or_both(robot):
         tasks.Residual(both, frames=["tool"], joints=["joint2", "joint1"], rows={"radians": 1}),
     ]
     problem = kinopt.Problem(robot.model, given)
-    q = robot.random_configuration(3)
+    q = robot.random_configuration(seed=3)
     assert np.array_equal(problem.residual(q)[1:10], q)
     assert seen == {"frames": ((2, 4, 4), np.float64), "joints": (9,), "both": ((1, 4, 4), (2,))}
 
@@ -91,7 +91,7 @@ def test_mixed_jacobian_has_twists_before_joints(robot):
     reads = {"frames": ["tool", "link4"], "joints": ["joint2"], "rows": {"ratio": 1}}
     exact = kinopt.Problem(robot.model, [tasks.Residual(residual, jacobian=jacobian, **reads)])
     differences = kinopt.Problem(robot.model, [tasks.Residual(residual, **reads)])
-    for q in robot.random_configuration(3, 10):
+    for q in robot.random_configuration(10, seed=3):
         by_q = exact.with_derivatives("central_difference").jacobian(q)
         assert np.abs(exact.jacobian(q) - by_q).max() < 1e-8
         assert np.abs(differences.jacobian(q) - by_q).max() < 1e-8
@@ -133,7 +133,7 @@ def test_exception_propagates_unchanged(robot, after, where):
     problem = kinopt.Problem(robot, [task])
     # Several starts, so that later calls occur too.
     with pytest.raises(Mine) as caught:
-        for start in robot.random_configuration(5, 20):
+        for start in robot.random_configuration(20, seed=5):
             kinopt.Solver().solve(problem, start)
     assert caught.value is mine
     # No computation continues after the exception.
@@ -150,13 +150,13 @@ def test_exception_propagates_from_batches(robot, threads):
 
     problem = kinopt.Problem(robot, [tasks.Residual(failing, frames=["tool"], rows=3)])
     with pytest.raises(Mine) as caught:
-        kinopt.Solver().solve_batch(problem, robot.random_configuration(1, 50), threads=threads)
+        kinopt.Solver().solve_batch(problem, robot.random_configuration(50, seed=1), threads=threads)
     assert caught.value is mine
 
 
 def test_results_are_bitwise_equal_on_any_thread(robot):
     problem = kinopt.Problem(robot, [user_residual(), tasks.Posture(robot.neutral())])
-    starts, solver = robot.random_configuration(5, 20), kinopt.Solver()
+    starts, solver = robot.random_configuration(20, seed=5), kinopt.Solver()
     alone = np.stack([solver.solve(problem, start).q for start in starts])
     assert np.array_equal(solver.solve_batch(problem, starts, threads=3).q, alone)
     with ThreadPoolExecutor(4) as pool:
@@ -229,7 +229,7 @@ def test_invalid_arguments_raise(robot, given):
 
 
 def test_wrong_jacobian_entry_is_named(robot):
-    q = robot.random_configuration(4)
+    q = robot.random_configuration(seed=4)
 
     def leans(frames, joints):
         return [frames[0, :3, 0] @ [0.3, 0.2, 0.1] + np.sin(joints[1]), frames[1, 2, 3] * joints[0]]
@@ -274,7 +274,7 @@ def test_jacobian_of_ball_joint_is_checked():
     builder.ball("wrist", "hinge")
     builder.frame("hand", "wrist")
     model = builder.build()
-    q = model.random_configuration(3)
+    q = model.random_configuration(seed=3)
 
     def function(joints):
         hinge, w, x, y, z = joints

@@ -178,8 +178,10 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
     for option in ("acceleration_limits", "velocity_limits", "jerk_limits"):
         with pytest.raises(InvalidValueError, match=f"{option}.*{solved.joint_names[3]}"):
             solved.trajectory(**{"acceleration_limits": 1.0, option: limits})  # type: ignore[arg-type]
-    with pytest.raises(InvalidValueError, match="arm"):
-        solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0))
+    # The tool is that of the path's arm, or of another one.
+    slow = solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0))
+    assert np.array_equal(slow.times, solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0), arm=arm).times)
+    assert slow.duration > 0.25 / 0.1
     for wrong in (0.5, (0.1,), "fast", (0.1, None)):
         with pytest.raises(kinopt.InvalidValueError, match=r"tool_linear_limits is .*: \(speed, acceleration\) in m/s"):
             solved.trajectory(acceleration_limits=1.0, arm=arm, tool_linear_limits=wrong)
@@ -211,3 +213,35 @@ def test_invalid_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
     bad.write_text("x,y,z\n1,2,here\n")
     with pytest.raises(InvalidFileError, match="line 2"):
         kinopt.solve_path(arm, bad)
+
+
+def test_pick_and_place_is_a_path_of_segments(arm: kinopt.Arm) -> None:
+    home = arm.base_from_tool({})
+    pick, place = home[:3, 3] + [0, 0.1, -0.1], home[:3, 3] + [0, -0.1, -0.1]
+    path = kinopt.CartesianPath(home).through([pick + [0, 0, 0.1], pick, pick + [0, 0, 0.1]])
+    path = path.arc_through(home[:3, 3] + [-0.05, 0, 0.05], place + [0, 0, 0.1]).through(place, step=0.005)
+    assert np.linalg.norm(np.diff(path.points[:, :3, 3], axis=0), axis=1).max() <= 0.01 + 1e-12
+    assert np.allclose(path.points[:, :3, :3], home[:3, :3], atol=1e-12)
+    solved = kinopt.solve_path(arm, path, start={})
+    assert solved.reached and solved.unreached == []
+    assert solved.trajectory(acceleration_limits=5.0).duration > 0.5
+    twin = pickle.loads(pickle.dumps(path))
+    assert np.array_equal(twin.points, path.points)
+    assert kinopt.solve_path(arm, twin, start={}).report.largest_deviation == solved.report.largest_deviation
+    spline = kinopt.CartesianPath(home).spline_through([pick, place])
+    assert all(np.abs(spline.points[:, :3, 3] - key).sum(axis=1).min() < 1e-12 for key in (pick, place))
+    with pytest.raises(InvalidValueError, match="on one line"):
+        path.arc_through(place, place)
+    with pytest.raises(InvalidValueError, match="step"):
+        path.through(place, step=-1.0)
+
+
+def test_unreached_rows_are_timed_only_if_allowed(arm: kinopt.Arm) -> None:
+    path = sideways(arm)
+    path[30, 0, 3] += 3.0
+    solved = kinopt.solve_path(arm, path)
+    assert solved.unreached == [30]
+    for time in (solved.times, solved.trajectory):
+        with pytest.raises(InvalidValueError, match="1 of 60 rows .* row 30"):
+            time(acceleration_limits=5.0)
+        time(acceleration_limits=5.0, allow_unreached=True)

@@ -22,7 +22,7 @@ def robot():
 
 @pytest.fixture(scope="module")
 def target(robot):
-    return kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
+    return kinopt.frame_placement(robot, "tool", robot.random_configuration(seed=3))
 
 
 def hand(target, **about):
@@ -32,7 +32,7 @@ def hand(target, **about):
 def test_mimic_joints_of_robot_follow(robot, target):
     problem = kinopt.Problem(robot, [hand(target)])
     assert problem.configuration_len == 9 and problem.variables == 8
-    q = kinopt.Solver().solve(problem, robot.random_configuration(4)).q
+    q = kinopt.Solver().solve(problem, robot.random_configuration(seed=4)).q
     [(joint, (master, ratio, offset))] = robot.mimics.items()
     names = robot.joint_names
     assert q[names.index(joint)] == ratio * q[names.index(master)] + offset
@@ -40,7 +40,7 @@ def test_mimic_joints_of_robot_follow(robot, target):
 
 
 def test_joints_are_locked_coupled_narrowed_and_freed(robot, target):
-    start = robot.random_configuration(4)
+    start = robot.random_configuration(seed=4)
     [(follower, (master, *_))] = robot.mimics.items()
     locked = kinopt.ParameterMap(robot, lock={"joint3": 0.25, master: 0.02})
     assert locked.variables == 6 and "joint3" not in locked.variable_names
@@ -120,7 +120,7 @@ def test_pickled_problem_solves_bitwise_equally(robot, target):
         derivatives="dual",
         preferences="traded",
     )
-    start = robot.random_configuration(4)
+    start = robot.random_configuration(seed=4)
     solution = kinopt.Solver().solve(problem, start)
     for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem)):
         assert (twin.derivatives, twin.preferences) == ("dual", "traded")
@@ -131,10 +131,10 @@ def test_pickled_problem_solves_bitwise_equally(robot, target):
 
 def test_targets_change_without_a_new_problem(robot, target):
     problem = kinopt.Problem(robot, [hand(target), tasks.Posture(robot.neutral(), name="rest")])
-    start, solver = robot.random_configuration(4), kinopt.Solver()
+    start, solver = robot.random_configuration(seed=4), kinopt.Solver()
     before = solver.solve(problem, start)
-    other = kinopt.frame_placement(robot, "tool", robot.random_configuration(8))
-    rest = robot.random_configuration(9)
+    other = kinopt.frame_placement(robot, "tool", robot.random_configuration(seed=8))
+    rest = robot.random_configuration(seed=9)
     moved = solver.solve(problem, start, {"hand": other, "rest": rest})
     stated = kinopt.Problem(robot, [hand(other), tasks.Posture(rest, name="rest")])
     assert np.array_equal(moved.q, solver.solve(stated, start).q)
@@ -165,7 +165,7 @@ def test_every_kind_of_target_changes(robot):
         (tasks.Residual(lambda q: q - 1, joints="all", rows=9), lambda q: q - 2),
     ]
     problem = kinopt.Problem(robot.model, [task for task, _ in pairs])
-    x = robot.random_configuration(2)
+    x = robot.random_configuration(seed=2)
     after = problem.residual(x, {i: target for i, (_, target) in enumerate(pairs)})
     stated = [stated_with(task, target) for task, target in pairs]
     expected = kinopt.Problem(robot.model, stated).residual(x)
@@ -208,7 +208,7 @@ def stated_with(task, target):
 )
 def test_invalid_targets_raise_and_change_nothing(robot, target, targets):
     problem = kinopt.Problem(robot, [hand(target)])
-    start = robot.random_configuration(4)
+    start = robot.random_configuration(seed=4)
     with pytest.raises(kinopt.KinoptError):
         kinopt.Solver().solve(problem, start, targets)
     assert kinopt.Solver().solve(problem, start).reached
@@ -217,7 +217,7 @@ def test_invalid_targets_raise_and_change_nothing(robot, target, targets):
 def test_problem_is_shared_by_threads(robot):
     problem = kinopt.Problem(robot, [hand(np.eye(4)), tasks.Posture(robot.neutral())])
     solver, start = kinopt.Solver(), robot.neutral()
-    targets = [kinopt.frame_placement(robot, "tool", q) for q in robot.random_configuration(1, 60)]
+    targets = [kinopt.frame_placement(robot, "tool", q) for q in robot.random_configuration(60, seed=1)]
 
     def solve(target):
         return solver.solve(problem, start, {"hand": target}).q

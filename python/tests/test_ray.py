@@ -329,7 +329,7 @@ def test_readme_code_runs(cluster, tmp_path, monkeypatch, arm, start, targets):
 
 def test_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib", reason="SKIPPED LOUDLY: matplotlib is not installed").use("Agg")
-    path = Path(__file__).parents[1] / "examples" / "reachability.py"
+    path = Path(__file__).parents[2] / "examples" / "python" / "reachability.py"
     spec = importlib.util.spec_from_file_location("reachability", path)
     example = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, "reachability", example)

@@ -19,7 +19,7 @@ def rig():
 
 
 def poses(rig, n, seed=1):
-    q = rig.model.random_configuration(seed, n)
+    q = rig.model.random_configuration(n, seed=seed)
     return 0.3 * np.clip(q, -1.5, 1.5)
 
 

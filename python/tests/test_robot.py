@@ -32,17 +32,17 @@ def test_pickles_and_copies_are_equal():
     for twin in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
         assert twin.joint_names == robot.joint_names
         assert twin.frame_names == robot.frame_names
-        assert np.array_equal(twin.random_configuration(3, 5), robot.random_configuration(3, 5))
+        assert np.array_equal(twin.random_configuration(5, seed=3), robot.random_configuration(5, seed=3))
 
 
 def test_random_configurations_are_within_limits():
     robot = panda()
-    q = robot.random_configuration(7, 100)
+    q = robot.random_configuration(100, seed=7)
     assert q.shape == (100, 9)
     assert (q >= robot.lower).all() and (q <= robot.upper).all()
-    assert np.array_equal(q[3], robot.random_configuration(10))
-    drawn = robot.random_configuration(np.random.default_rng(1), 4)
-    assert np.array_equal(drawn, robot.random_configuration(np.random.default_rng(1), 4))
+    assert np.array_equal(q[3], robot.random_configuration(seed=10))
+    drawn = robot.random_configuration(4, seed=np.random.default_rng(1))
+    assert np.array_equal(drawn, robot.random_configuration(4, seed=np.random.default_rng(1)))
 
 
 def test_invalid_arguments_are_named():

@@ -74,7 +74,7 @@ def test_problems_of_shipped_rigs_are_bitwise_equal(rust, name):
     bones = [tip.removesuffix("/tip") for tip in skeleton.tips]
     rest, count = skeleton.model.neutral(), 100
     # Targets of the tips are a part of a random pose, ten of them slightly out of reach.
-    poses = rest + 0.3 * (skeleton.model.random_configuration(21, count) - rest)
+    poses = rest + 0.3 * (skeleton.model.random_configuration(count, seed=21) - rest)
     tips = [skeleton.tip(bone) for bone in bones]
     positions = [[kinopt.frame_placement(skeleton, tip, q)[:3, 3] for tip in tips] for q in poses]
     targets = np.array(positions)

@@ -27,7 +27,7 @@ def rig():
 
 
 def transforms(rig, n, seed=3):
-    q = 0.3 * np.clip(rig.model.random_configuration(seed, n), -1.5, 1.5)
+    q = 0.3 * np.clip(rig.model.random_configuration(n, seed=seed), -1.5, 1.5)
     return rig.skeleton.skinning_transforms(q)
 
 

@@ -21,13 +21,13 @@ def robot():
 
 @pytest.fixture(scope="module")
 def problem(robot):
-    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
+    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(seed=3))
     return kinopt.Problem(robot, [tasks.Pose("tool", placement, name="hand")])
 
 
 @pytest.fixture(scope="module")
 def point(robot):
-    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
+    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(seed=3))
     return kinopt.Problem(robot, [tasks.Point("tool", placement[:3, 3], name="hand")])
 
 
@@ -50,7 +50,7 @@ SLOW = ["projected-gradient", methods.ProjectedGradient("barzilai_borwein"), met
 @pytest.mark.parametrize("method", OPTIMISERS, ids=str)
 def test_methods_reach_poses_within_the_limits(robot, problem, method):
     solver = kinopt.Solver(method)
-    for start in robot.random_configuration(10, 10):
+    for start in robot.random_configuration(10, seed=10):
         solution = solver.solve(problem, start)
         assert solution.reached and solution.position_error <= 1e-6 and solution.orientation_error <= 1e-6
         assert (solution.q >= robot.lower).all() and (solution.q <= robot.upper).all()
@@ -60,7 +60,7 @@ def test_methods_reach_poses_within_the_limits(robot, problem, method):
 
 @pytest.mark.parametrize("method", [*SLOW, "ccd", methods.Ccd()], ids=str)
 def test_methods_reach_points(robot, point, method):
-    for start in robot.random_configuration(10, 5):
+    for start in robot.random_configuration(5, seed=10):
         assert kinopt.Solver(method, max_iterations=5000).solve(point, start).reached
 
 
@@ -82,7 +82,7 @@ def test_geometric_methods_reach_points():
     model = chain(4)
     limb = chain(2)
     for seed in range(10):
-        q = 0.3 * model.random_configuration(seed)
+        q = 0.3 * model.random_configuration(seed=seed)
         position = kinopt.frame_placement(model, "tip", q)[:3, 3]
         problem = kinopt.Problem(model, [tasks.Point("tip", position)])
         assert kinopt.Solver("fabrik").solve(problem, 0.9 * q).position_error < 1e-5
@@ -102,7 +102,7 @@ def test_unsupported_task_of_method_raises(robot, problem):
 
 
 def test_search_limits_apply(robot, problem):
-    start = robot.random_configuration(11)
+    start = robot.random_configuration(seed=11)
     three = kinopt.Solver(max_iterations=3, attempts=1).solve(problem, start)
     assert (three.iterations, three.attempts, three.termination) == (3, 1, "iteration_limit")
     missed = kinopt.Solver(attempts=5).solve(problem, start, {"hand": unreachable_target(robot)})
@@ -157,7 +157,7 @@ def test_invalid_starts_raise(problem, start):
 
 
 def test_starts_may_be_lists_float32_or_strided(robot, problem):
-    start = robot.random_configuration(4).astype(np.float32)
+    start = robot.random_configuration(seed=4).astype(np.float32)
     expected = kinopt.Solver().solve(problem, start.astype(np.float64)).q
     wide = np.zeros((9, 2))
     wide[:, 0] = start
@@ -166,7 +166,7 @@ def test_starts_may_be_lists_float32_or_strided(robot, problem):
 
 
 def test_solvers_and_solutions_are_pickled(robot, problem):
-    start = robot.random_configuration(11)
+    start = robot.random_configuration(seed=11)
     solver = kinopt.Solver(methods.GaussNewton(1e-7), attempts=7, seed=3, time_limit=100.0)
     for targets in (None, {"hand": unreachable_target(robot)}):
         solution = solver.solve(problem, start, targets)
@@ -180,7 +180,7 @@ def test_solvers_and_solutions_are_pickled(robot, problem):
 
 
 def test_solution_has_all_reports(robot, problem):
-    start = robot.random_configuration(11)
+    start = robot.random_configuration(seed=11)
     solution = kinopt.Solver().solve(problem, start, {"hand": unreachable_target(robot)})
     assert solution.q is solution.q and not solution.q.flags.writeable
     [hand] = solution.tasks
@@ -205,7 +205,7 @@ def test_solution_has_all_reports(robot, problem):
 
 
 def test_observer_sees_every_step_and_may_stop(robot, problem):
-    start, seen = robot.random_configuration(11), []
+    start, seen = robot.random_configuration(seed=11), []
     solution = kinopt.Solver(attempts=1).solve(problem, start, observer=seen.append)
     assert [step.index for step in seen] == list(range(len(seen)))
     assert seen[-1].cost <= seen[0].cost and seen[0].x.shape == (problem.variables,)
@@ -225,14 +225,14 @@ def test_observer_exception_propagates(robot, problem):
         raise mine
 
     with pytest.raises(Mine) as caught:
-        kinopt.Solver().solve(problem, robot.random_configuration(11), observer=observer)
+        kinopt.Solver().solve(problem, robot.random_configuration(seed=11), observer=observer)
     assert caught.value is mine
-    assert kinopt.Solver().solve(problem, robot.random_configuration(11)).reached
+    assert kinopt.Solver().solve(problem, robot.random_configuration(seed=11)).reached
 
 
 def batch(robot, n):
-    starts = robot.random_configuration(30, n)
-    goals = robot.random_configuration(90, n)
+    starts = robot.random_configuration(n, seed=30)
+    goals = robot.random_configuration(n, seed=90)
     return starts, np.stack([kinopt.frame_placement(robot, "tool", q) for q in goals])
 
 

@@ -34,8 +34,8 @@ def miss(robot: kinopt.Robot, q: np.ndarray, frame: str, target: np.ndarray) -> 
 
 
 def test_tasks_added_singly_give_an_equal_problem(robot: kinopt.Robot) -> None:
-    target = placement(robot, "tool", robot.random_configuration(3))
-    start = robot.random_configuration(4)
+    target = placement(robot, "tool", robot.random_configuration(seed=3))
+    start = robot.random_configuration(seed=4)
     problem = kinopt.Problem(robot)
     hand = problem.add(tasks.Pose("tool", target, name="hand"))
     rest = problem.add(tasks.Posture(robot.neutral(), name="rest"), level=1, weight=0.5)
@@ -53,7 +53,7 @@ def test_tasks_added_singly_give_an_equal_problem(robot: kinopt.Robot) -> None:
     assert [task.level for task in solution.tasks] == [0, 1]
     assert repr(problem.tasks) == repr(at_once.tasks) and repr(problem) == repr(at_once)
     # Indices are as good as names.
-    other = placement(robot, "tool", robot.random_configuration(5))
+    other = placement(robot, "tool", robot.random_configuration(seed=5))
     by_number = solver.solve(problem, start, {hand: other})
     assert by_number.tasks[hand].name == "hand"
     assert np.array_equal(by_number.q, solver.solve(at_once, start, {"hand": other}).q)
@@ -131,7 +131,7 @@ def test_level_is_an_integer(robot: kinopt.Robot, level: Any) -> None:
 
 
 def test_drag_keeps_its_initial_tasks(robot: kinopt.Robot) -> None:
-    q = robot.random_configuration(6)
+    q = robot.random_configuration(seed=6)
     problem = kinopt.Problem(robot, [tasks.Point("tool", placement(robot, "tool", q)[:3, 3], name="hand")])
     drag = kinopt.Drag(problem, q)
     problem.add(tasks.Point("link4", [9.0, 0.0, 0.0], name="elbow"))
@@ -154,7 +154,7 @@ def test_tasks_are_added_from_many_threads(robot: kinopt.Robot) -> None:
 def test_lower_level_never_changes_the_first(robot: kinopt.Robot) -> None:
     solver, conflicts, nearer = kinopt.Solver(), 0, 0
     for seed in range(12):
-        start, target_q, other_q = robot.random_configuration(seed, 3)
+        start, target_q, other_q = robot.random_configuration(3, seed=seed)
         tool, elbow = placement(robot, "tool", target_q), placement(robot, "link4", other_q)[:3, 3]
         alone = kinopt.Problem(robot, [tasks.Pose("tool", tool)])
         both = kinopt.Problem(robot)
@@ -173,7 +173,7 @@ def test_lower_level_never_changes_the_first(robot: kinopt.Robot) -> None:
 
 
 def test_drag_keeps_level_0_with_unreachable_level_1(robot: kinopt.Robot) -> None:
-    q = robot.random_configuration(6)
+    q = robot.random_configuration(seed=6)
     tool, elbow = (placement(robot, frame, q)[:3, 3] for frame in ("tool", "link4"))
     problem = kinopt.Problem(robot)
     problem.add(tasks.Point("tool", tool))

@@ -214,7 +214,7 @@ def test_residuals_match_numpy(robot, name):
     # Every joint is free, so that x is q.
     problem = kinopt.Problem(robot.model, [replace(task, weight=1.0)])
     assert problem.variables == robot.degrees_of_freedom
-    for q in robot.random_configuration(5, 20):
+    for q in robot.random_configuration(20, seed=5):
         frames = {f: kinopt.frame_placement(robot, f, q) for f in ("tool", "flange", "link2", "link3")}
         assert np.allclose(problem.residual(q), expected(frames, q), rtol=0, atol=1e-9)
 
@@ -223,7 +223,7 @@ def test_residuals_match_numpy(robot, name):
 def test_derivative_routes_agree(robot, name):
     task, _ = cases(robot)[name]
     problem = kinopt.Problem(robot.model, [task])
-    for x in robot.random_configuration(6, 5):
+    for x in robot.random_configuration(5, seed=6):
         jacobians = [problem.with_derivatives(route).jacobian(x) for route in ROUTES]
         size = max(1.0, np.abs(jacobians[0]).max())
         assert jacobians[0].shape == (problem.rows, problem.variables)
@@ -236,7 +236,7 @@ def test_derivative_routes_agree(robot, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_tasks_are_pickled(robot, name):
     task, _ = cases(robot)[name]
-    x = robot.random_configuration(7)
+    x = robot.random_configuration(seed=7)
     expected = kinopt.Problem(robot.model, [task]).residual(x)
     for twin in (pickle.loads(pickle.dumps(task)), copy.deepcopy(task)):
         assert repr(twin) == repr(task)
@@ -245,11 +245,11 @@ def test_tasks_are_pickled(robot, name):
 
 def test_weights_tolerances_roles_and_names_apply():
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
-    q = robot.random_configuration(1)
+    q = robot.random_configuration(seed=1)
     placement = kinopt.frame_placement(robot, "tool", q)
     whole = tasks.Pose("tool", placement, name="hand", weight={"metres": 2.0, "radians": 0.5}, scale=3.0)
     problem = kinopt.Problem(robot.model, [whole])
-    x = robot.random_configuration(2)
+    x = robot.random_configuration(seed=2)
     plain = kinopt.Problem(robot.model, [tasks.Pose("tool", placement, weight=1.0)]).residual(x)
     assert np.allclose(problem.residual(x), plain * [6, 6, 6, 1.5, 1.5, 1.5], rtol=1e-14)
     assert problem.task_names == ["hand"]
@@ -427,7 +427,7 @@ def test_one_sided_task_is_zero_within_bounds():
 
 def test_free_bases_balance_and_couple_joints():
     robot = kinopt.Robot.from_urdf(LEANING_ROBOT, base_joint="free")
-    q = np.asarray(robot.random_configuration(4))
+    q = np.asarray(robot.random_configuration(seed=4))
     # The plate is not fixed in the world here.
     assert robot.mass == pytest.approx(67.8) and len(q) == 11
     assert robot.center_of_mass_jacobian(q).shape == (3, 10)
@@ -437,7 +437,7 @@ def test_free_bases_balance_and_couple_joints():
     solution = kinopt.Solver().solve(problem, q)
     assert solution.reached, solution.explain()
     assert np.allclose(robot.center_of_mass(solution.q), [0.1, 0.2, 0.7], atol=2e-6)
-    other = np.asarray(robot.random_configuration(5))
+    other = np.asarray(robot.random_configuration(seed=5))
     targets = {"posture": other, "centre": robot.center_of_mass(other)}
     moved = kinopt.Solver().solve(problem, q, targets=targets)
     # Both are met at the new reference.

@@ -13,7 +13,8 @@ viser = pytest.importorskip(
 
 from kinopt.view import Scene, solids  # noqa: E402
 from kinopt.view.posing import Posing  # noqa: E402
-from kinopt.view.transforms import between, matrix_of, wxyz_of  # noqa: E402
+from kinopt.view.balance import BALANCED, UNBALANCED  # noqa: E402
+from kinopt.view.transforms import between, hull_2d, matrix_of, wxyz_of  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -77,6 +78,15 @@ def test_simple_bodies_enclose_their_volumes():
     assert volume(solids.cylinder(0.7, 0.2)) == pytest.approx(0.7 * np.pi * 0.2**2, rel=0.01)
     assert volume(solids.box([0.1, 0.2, 0.3])) == pytest.approx(0.006)
     assert volume(solids.box([0.1, 0.2, 0.3]).scaled([-2.0, 1.0, 1.0])) == pytest.approx(0.012)
+    # Two half spheres, a frustum between their tangent circles, and the parts of the spheres up to those.
+    low, high, length = 0.2, 0.1, 0.5
+    slope = (low - high) / length
+    rings = [radius * np.sqrt(1.0 - slope**2) for radius in (low, high)]
+    frustum = np.pi / 3.0 * length * (1.0 - slope**2) * (rings[0] ** 2 + rings[0] * rings[1] + rings[1] ** 2)
+    caps = np.pi / 3.0 * (low**3 * (1.0 + slope) ** 2 * (2.0 - slope) + high**3 * (1.0 - slope) ** 2 * (2.0 + slope))
+    assert volume(solids.capsule(length, low, high)) == pytest.approx(frustum + caps, rel=0.01)
+    centres = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, length]])
+    assert volume(solids.hull(centres, np.array([low, high]))) == pytest.approx(frustum + caps, rel=0.05)
     moved = solids.capsule_between(np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.5, 0.5]), 0.1)
     middle = (moved.vertices.min(axis=0) + moved.vertices.max(axis=0)) / 2
     assert np.allclose(middle, [1.0, 0.25, 0.25])
@@ -110,7 +120,7 @@ def test_robot_is_placed_by_kinematics(scene, style):
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
     body = scene.add(robot, at=at, style=style)
-    q = robot.random_configuration(3)
+    q = robot.random_configuration(seed=3)
     body.q = q
     assert np.array_equal(body.q, q)
     assert np.allclose(body.frame("tool"), at @ kinopt.frame_placement(robot, "tool", q))
@@ -132,7 +142,7 @@ def test_character_and_mesh_are_placed_by_kinematics(scene):
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
     body = scene.add(character, at=at)
-    q = character.model.random_configuration(5)
+    q = character.model.random_configuration(seed=5)
     body.q = q
     for frame in ("head/tip", "left_hand", "right_toes/tip"):
         assert np.allclose(body.frame(frame), at @ kinopt.frame_placement(character, frame, q), atol=1e-12)
@@ -159,10 +169,47 @@ def test_page_blends_as_library_except_cut_weights(scene):
 def test_bones_without_a_mesh_have_bodies(scene):
     skeleton = rig().skeleton
     body = scene.add(skeleton)
-    body.q = skeleton.model.random_configuration(2)
+    body.q = skeleton.model.random_configuration(seed=2)
     low, high = body.box()
     tips = np.array([body.frame(tip)[:3, 3] for tip in skeleton.tips])
     assert (tips > low - 1e-9).all() and (tips < high + 1e-9).all()
+
+
+def test_page_is_announced_and_opened(opened_addresses, capsys):
+    with Scene(port=8200, open=False):
+        pass
+    assert opened_addresses == [] and capsys.readouterr().out == ""
+    with Scene(port=8200) as scene:
+        assert opened_addresses == [scene.url] and scene.url in capsys.readouterr().out
+
+
+def test_convex_hull_contains_its_points_only():
+    grid = np.array([[x, y] for x in range(4) for y in range(3)], dtype=float)
+    corners, inside = hull_2d(grid, np.array([1.5, 1.9]))
+    assert inside and grid[corners].tolist() == [[0, 0], [3, 0], [3, 2], [0, 2]]
+    assert not hull_2d(grid, np.array([1.5, 2.1]))[1]
+    assert not hull_2d(grid[:2], grid[0])[1] and hull_2d(grid[:0], grid[0]) == ([], False)
+
+
+def test_support_polygon_is_green_in_balance(scene):
+    nao = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf", base_joint="free")
+    body = scene.add(nao)
+    shown = scene.add_balance(body)
+    soles = [(body.frame(foot) @ [*corner, 1.0])[:2] for foot in ("left_sole", "right_sole") for corner in nao.sole(foot)]
+    outline = shown._lines.points[:-1, 0, :2] / scene.drawn
+    assert np.allclose([outline.min(axis=0), outline.max(axis=0)], [np.min(soles, axis=0), np.max(soles, axis=0)], atol=1e-6)
+    assert np.allclose(shown._ball.position / scene.drawn, nao.center_of_mass(body.q), atol=1e-6)
+    assert tuple(shown._ball.color) == BALANCED
+    # Leans forward by 30 degrees: the centre of mass, 0.3 m above the feet, is in front of the toes.
+    q = body.q
+    q[3:7] = [np.cos(np.pi / 12), 0.0, np.sin(np.pi / 12), 0.0]
+    body.q = q
+    assert tuple(shown._ball.color) == UNBALANCED
+    shown.remove()
+    with pytest.raises(kinopt.InvalidValueError, match="feet"):
+        scene.add_balance(scene.add(panda()))
+    with pytest.raises(kinopt.UnknownNameError, match="nowhere"):
+        scene.add_balance(body, ["nowhere"])
 
 
 def test_only_moved_parts_are_sent(scene):
@@ -209,6 +256,26 @@ def test_available_meshes_are_drawn(scene, tmp_path, file):
     body = scene.add(robot, beside=tmp_path / "parts")
     assert body.missing == []
     assert sum(volume(piece.solid) for piece in body.pieces()) == pytest.approx(8.0)
+
+
+def test_missing_meshes_are_replaced_by_collision_shapes(scene, tmp_path):
+    box = '<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link><link name="b"/>'
+    text = URDF.format(file="package://parts/meshes/cube.stl").replace('</link><link name="b"/>', box)
+    (piece,) = scene.add(kinopt.Robot.from_urdf_text(text), beside=tmp_path).pieces()
+    assert piece.name == "a" and volume(piece.solid) == pytest.approx(0.006)
+
+
+def test_robot_without_meshes_is_a_closed_body(scene):
+    nao = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf")
+    shapes = scene.add(nao)
+    assert {piece.name for piece in shapes.pieces()} == set(nao.collision_model().links)
+    # The trunk is one body about neck, shoulders and hips.
+    trunk = next(piece.solid for piece in scene.add(nao, style="capsules").pieces() if piece.name == "world")
+    joints = kinopt.ForwardKinematics(nao).place(nao.neutral())[:, :3, 3]
+    shoulders = [joints[nao.frame_names.index(name), 2] for name in ("left_shoulder", "left_thigh") if name in nao.frame_names]
+    low, high = trunk.vertices.min(axis=0), trunk.vertices.max(axis=0)
+    assert all(low[2] < height < high[2] for height in shoulders)
+    assert volume(trunk) > 0.3 * np.prod(high - low)
 
 
 def test_missing_meshes_are_replaced_by_capsules(scene, tmp_path):

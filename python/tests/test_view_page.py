@@ -15,6 +15,7 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip
 
 from kinopt.view import Scene  # noqa: E402
 from kinopt.view.__main__ import main  # noqa: E402
+from kinopt.view.balance import BALANCED  # noqa: E402
 from kinopt.view.opening import open_page  # noqa: E402
 from kinopt.view.saving import saved  # noqa: E402
 from waiting import wait_until  # noqa: E402
@@ -97,6 +98,41 @@ def test_fixed_links_share_one_gizmo(opened, tmp_path):
     assert list(page.targets) == ["foot", "thumb", "camera"]
 
 
+def humanoid_urdf():
+    """A robot with the link names of Unitree's G1, and fixed links at the ends of its limbs."""
+    links = [("torso_link", "pelvis", "revolute", "0 0 0.3"), ("imu_link", "torso_link", "fixed", "0 0 -0.1")]
+    links += [("camera_link", "torso_link", "fixed", "0 0 0.4")]
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        limb = ["pelvis", "hip_pitch_link", "knee_link", "ankle_pitch_link", "ankle_roll_link"]
+        arm = ["torso_link", "shoulder_roll_link", "elbow_link", "wrist_yaw_link"]
+        for names, step in ((limb, "0.05 0 -0.3"), (arm, "0.05 0 -0.2")):
+            for parent, link in zip(names, names[1:]):
+                start = f"0 {y} 0" if parent in ("pelvis", "torso_link") else step
+                owner = parent if parent in ("pelvis", "torso_link") else f"{side}_{parent}"
+                links.append((f"{side}_{link}", owner, "revolute", start))
+        links += [(f"{side}_ankle_roll_sphere_3_link", f"{side}_ankle_roll_link", "fixed", "0.1 0 0")]
+        links += [(f"{side}_thumb_link", f"{side}_wrist_yaw_link", "fixed", "0.1 0 0")]
+        links += [(f"{side}_rubber_hand_link", f"{side}_wrist_yaw_link", "fixed", "0.05 0 0")]
+    mass = '<inertial><mass value="1"/></inertial>'
+    parts = [f'<link name="{name}">{mass}</link>' for name in ["pelvis", *(link for link, *_ in links)]]
+    for link, parent, kind, xyz in links:
+        parts.append(
+            f'''<joint name="{link} joint" type="{kind}"><origin xyz="{xyz}"/><parent link="{parent}"/><child link="{link}"/>
+            <axis xyz="0 1 0"/><limit lower="-2" upper="2"/></joint>'''
+        )
+    return f'<robot name="humanoid">{"".join(parts)}</robot>'
+
+
+def test_humanoid_has_gizmos_on_its_parts(opened, tmp_path):
+    (tmp_path / "body.urdf").write_text(humanoid_urdf())
+    feet = ["left_ankle_roll_link", "right_ankle_roll_link"]
+    others = ["left_rubber_hand_link", "right_rubber_hand_link", "pelvis", "camera_link"]
+    page = opened(tmp_path / "body.urdf", base_joint="free")
+    assert list(page.targets) == [*feet, *others] and page.pinned == set(feet)
+    # A pelvis that is fixed in the world is not dragged.
+    assert list(opened(tmp_path / "body.urdf").targets) == [*feet, *(name for name in others if name != "pelvis")]
+
+
 def test_robot_on_free_base_is_dragged_as_a_whole(opened):
     page = opened(MODELS / "universal_ur5e.urdf", base_joint="free")
     before = page.body.q.copy()
@@ -114,6 +150,7 @@ def test_robot_on_free_base_is_dragged_as_a_whole(opened):
 def test_robot_starts_crouched_over_its_feet(opened):
     page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
     assert page.pinned == {"left_sole", "right_sole"} and not page.turns
+    assert set(opened(NAO, base_joint="free").targets) == set(page.targets) == page.pinned | {"left_hand", "right_hand", "torso", "head"}
     stood = {foot: page.body.frame(foot) for foot in page.pinned}
     knee = page.body.model.coordinate_names.index("left_knee_pitch")
     assert page.body.q[knee] > 0.2
@@ -122,6 +159,9 @@ def test_robot_starts_crouched_over_its_feet(opened):
     assert page.body.q[knee] > 0.6
     for foot, placement in stood.items():
         np.testing.assert_allclose(page.body.frame(foot), placement, atol=1e-5)
+    # The pulled pelvis crouches further; the drawn centre of mass stays over the feet.
+    drag(page, "torso", [0.0, 0.0, -0.03])
+    assert page.body.q[knee] > 0.8 and tuple(page.balance._ball.color) == BALANCED
     with pytest.raises(kinopt.UnknownNameError, match="left_sole"):
         open_page(NAO, base_joint="free", hold=["left_sol"], port=8229)
 
@@ -245,19 +285,19 @@ def test_any_frame_gets_and_loses_a_gizmo(opened):
 
 def test_keyframes_play_and_pause(opened):
     page = opened(HUMANOID)
-    assert page.time._clip.span == (0.0, 3.0)
-    page.call(lambda: page.time.show(1.0))
+    assert page.play_bar.clip.span == (0.0, 3.0)
+    page.call(lambda: page.play_bar.show(1.0))
     # Pinned targets follow the clip, and hold their frames there during a drag.
     assert all(target_distance(page, frame) == 0.0 for frame in page.pinned)
     rig = page.body.thing
     expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
     assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
     # It starts again after its end; slow, for machines with other load.
-    page.time._speed.value = "0.1"
-    page.call(page.time.play)
-    wait_until(lambda: page.time.now != 1.0)
-    page.call(page.time.pause)
-    assert 1.0 < page.time.now < 3.0 and page.scene.loop.failure is None
+    page.play_bar._speed.value = "0.1"
+    page.call(page.play_bar.play)
+    wait_until(lambda: page.play_bar.now != 1.0)
+    page.call(page.play_bar.pause)
+    assert 1.0 < page.play_bar.now < 3.0 and page.scene.loop.failure is None
     drag(page, "left_hand/tip", [0.0, 0.0, 0.05])
     assert page.answer.solution.reached
 
@@ -268,7 +308,7 @@ def test_pose_is_saved(opened, path):
 
     page = opened(path)
     body = page.body
-    page.call(lambda: page.set_configuration(body.model.random_configuration(4)))
+    page.call(lambda: page.set_configuration(body.model.random_configuration(seed=4)))
     document = json.loads(saved(body, "json"))
     assert document["q"] == body.q.tolist()
     assert list(document["joints"]) == body.model.joint_names
@@ -280,6 +320,7 @@ def test_pose_is_saved(opened, path):
     assert np.abs(written - vertices).max() < 1e-7
     faces = np.array([line.split()[1:] for line in obj if line.startswith("f ")], dtype=int)
     assert faces.min() == 1 and faces.max() == len(vertices)
+    assert b"<html" in saved(body, "html")[:1000]
     glb = trimesh.load_scene(io.BytesIO(saved(body, "glb")), file_type="glb")
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     # In glTF y is up and -z to the left.

@@ -3,6 +3,7 @@
 
 mod any_chain;
 mod avoidance;
+mod calibration;
 mod default_start;
 mod derivatives;
 mod elbow_branches;
@@ -12,6 +13,7 @@ mod jacobian;
 mod jumps;
 mod mimic_chains;
 mod misses;
+mod narrowed_limits;
 mod near_misses;
 mod null_space;
 mod options;

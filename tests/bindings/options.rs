@@ -10,6 +10,7 @@ use kinopt_bindings::option::solver::SolverOptions;
 use kinopt_bindings::option::{
     self, OptionSpec, Setter, check_name, names, path, retarget, robot, servo, solver,
 };
+use kinopt_bindings::per_joint::{configuration, configuration_of, per_joint};
 use serde_json::{Map, Value, json};
 use support::arms;
 
@@ -22,7 +23,7 @@ fn object(value: Value) -> Map<String, Value> {
 fn arm_values() -> Map<String, Value> {
     object(json!({
         "attempts": 3, "atlas": false, "global_search_on_miss": true, "goal": "position", "iterations": 50,
-        "joint_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "limit_avoidance": 1.0, "max_move": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+        "joint_limits": {"joint1": [-1.0, 1.0]}, "joint_weights": {"joint2": 2.0}, "limit_avoidance": 1.0, "max_move": 1.0,
         "metres_per_radian": 0.2, "orientation_tolerance": 1e-5, "position_tolerance": 1e-5,
         "posture": [0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0], "search": "first", "seed": 4, "time_limit": 10.0,
         "tool": [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.1], [0.0, 0.0, 0.0, 1.0]],
@@ -33,9 +34,8 @@ fn arm_values() -> Map<String, Value> {
 
 fn arm(values: &Map<String, Value>) -> Result<Arm, String> {
     let (robot, base, tip) = arms::panda();
-    let neutral = robot.model().neutral();
     let builder = Arm::builder(&robot, base, tip);
-    let builder = apply(builder, values, &neutral).map_err(|error| error.to_string())?;
+    let builder = apply(builder, values, robot.model()).map_err(|error| error.to_string())?;
     builder.build().map_err(|error| error.to_string())
 }
 
@@ -117,13 +117,55 @@ fn solver_options_have_a_valid_value_each() {
     assert_eq!(values.len() + 1, solver::options().len());
 }
 
+/// An arm with one joint.
+fn slider() -> Arm {
+    let (robot, base, _) = arms::panda();
+    Arm::new(&robot, base, "link1").unwrap()
+}
+
+#[test]
+fn numbers_of_joints_have_three_forms() {
+    let names = ["a", "b", "c"].map(str::to_owned);
+    let read = |value: Value, default| {
+        per_joint(&value, "weights", &names, default).map_err(|error| error.to_string())
+    };
+    assert_eq!(read(json!(2.0), None), Ok(vec![2.0; 3]));
+    assert_eq!(read(json!([1.0, 2.0, 3.0]), None), Ok(vec![1.0, 2.0, 3.0]));
+    assert_eq!(read(json!({"b": 5.0}), Some(1.0)), Ok(vec![1.0, 5.0, 1.0]));
+    let missing = read(json!({"b": 5.0}), None).unwrap_err();
+    assert!(
+        missing.contains("weights has no number for joint `a`"),
+        "{missing}"
+    );
+    let unknown = read(json!({"d": 5.0}), Some(1.0)).unwrap_err();
+    assert!(
+        unknown.contains("no joint named `d`; valid names: a, b, c"),
+        "{unknown}"
+    );
+}
+
+#[test]
+fn configurations_by_name_keep_the_start() {
+    let names = ["a", "b"].map(str::to_owned);
+    let q = configuration(&json!({"b": 5.0}), "start", &names, &[0.1, 0.2]);
+    assert_eq!(q, Ok(vec![0.1, 5.0]));
+    assert!(configuration(&json!(5.0), "start", &names, &[0.1, 0.2]).is_err());
+    let (robot, ..) = arms::panda();
+    let (model, neutral) = (robot.model(), robot.neutral());
+    let q = configuration_of(&json!({"joint2": 0.5}), "q", model, neutral.clone()).unwrap();
+    let moved: Vec<usize> = (0..q.len()).filter(|&k| q[k] != neutral[k]).collect();
+    assert_eq!((moved, q[1]), (vec![1], 0.5));
+    let error = configuration_of(&json!({"joint22": 0.5}), "q", model, neutral).unwrap_err();
+    assert!(error.to_string().contains("joint2"), "{error}");
+}
+
 #[test]
 fn servo_options_have_a_valid_value_each() {
     let values = object(json!({
         "velocity_limits": [1.0], "acceleration_limits": [2.0], "jerk_limits": [3.0], "velocity": [0.1],
         "acceleration": [0.2], "straight_line": true, "damping": 0.02
     }));
-    let read = ServoOptions::of(&values).unwrap();
+    let read = ServoOptions::of(&values, &slider()).unwrap();
     assert_eq!(read.velocity_limits, Some(vec![1.0]));
     assert_eq!(read.acceleration_limits, Some(vec![2.0]));
     assert_eq!(read.jerk_limits, Some(vec![3.0]));
@@ -140,7 +182,7 @@ fn path_options_have_a_valid_value_each() {
         "traversal": "cyclic", "start": [1.0], "end": [2.0], "joint_weights": [3.0], "max_step": 0.1, "samples": 9,
         "times": [0.0, 1.0], "keep_times": true
     }));
-    let read = PathOptions::of(&values).unwrap();
+    let read = PathOptions::of(&values, &slider()).unwrap();
     assert_eq!(read.traversal, kinopt::motion::path::Traversal::Cyclic);
     assert_eq!(
         [read.start, read.end, read.joint_weights, read.times],

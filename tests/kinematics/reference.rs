@@ -157,7 +157,7 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
 fn jacobians_of_robots_equal_pinocchio() {
     let text = include_str!("../reference/urdf_jacobians.json");
     let robots = serde_json::from_str::<Robots>(text).unwrap().robots;
-    assert_eq!(robots.len(), 8);
+    assert_eq!(robots.len(), 9);
     for ReferenceRobot {
         file,
         variables,

@@ -125,6 +125,29 @@ fn shortest_containing_name_comes_first() {
     assert_eq!(found.suggestions(), ["left hand", "the left hand's thumb"]);
 }
 
+/// A name with all words of the query is suggested, also if further words separate them.
+#[test]
+fn names_with_all_words_are_suggested() {
+    let links = [
+        "pelvis",
+        "left_hip_yaw_link",
+        "left_rubber_hand_link",
+        "right_rubber_hand_link",
+        "left_ankle_roll_link",
+    ];
+    for (typed, meant) in [
+        ("left_hand", "left_rubber_hand_link"),
+        ("RightHand", "right_rubber_hand_link"),
+        ("left ankle link", "left_ankle_roll_link"),
+    ] {
+        let found = UnknownName::new("frame", typed, links);
+        assert_eq!(found.suggestions(), [meant], "{typed}");
+    }
+    let joints = ["arm_joint_1", "arm_joint_2", "arm_joint_12"];
+    let found = UnknownName::new("joint", "joint2", joints);
+    assert_eq!(found.suggestions().first(), Some(&"arm_joint_2"));
+}
+
 /// A different single-letter name is less similar than one with an added letter.
 #[test]
 fn other_single_letter_is_less_similar() {

@@ -41,7 +41,7 @@ pub mod state_machines;
 pub mod stationary;
 pub mod tasks;
 pub mod trees;
-#[path = "../../examples/twisted_tube/tube.rs"]
+#[path = "../../examples/rust/twisted_tube/tube.rs"]
 pub mod twisted_tube;
 pub mod urdf_matrices;
 

@@ -6,7 +6,7 @@ use kinopt::animation::Armature as Bones;
 use kinopt::glam::{Affine3A, Mat4};
 use wasm_bindgen::prelude::*;
 
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// Bones of an animation file, with their rest pose.
 #[wasm_bindgen]
@@ -57,7 +57,7 @@ impl Armature {
 
     /// Bone transforms of a pose in the model: sixteen numbers for each bone, a matrix by columns.
     #[wasm_bindgen(js_name = localToModel)]
-    pub fn local_to_model(&self, pose: &Pose) -> Result<Vec<f32>, JsError> {
+    pub fn local_to_model(&self, pose: &Pose) -> Result<Vec<f32>, Exception> {
         let placed = self.placed(pose)?;
         let columns = placed.iter().map(|bone| Mat4::from(*bone).to_cols_array());
         Ok(columns.flatten().collect())
@@ -68,7 +68,7 @@ impl Armature {
 #[wasm_bindgen]
 impl Armature {
     /// Origins of the bones of a pose, three numbers each, as input of a `RetargetFollower`.
-    pub fn places(&self, pose: &Pose) -> Result<Vec<f64>, JsError> {
+    pub fn places(&self, pose: &Pose) -> Result<Vec<f64>, Exception> {
         let placed = self.placed(pose)?;
         let places = placed.iter().map(|bone| bone.translation.as_dvec3());
         Ok(places.flat_map(|at| at.to_array()).collect())
@@ -76,7 +76,7 @@ impl Armature {
 }
 
 impl Armature {
-    fn placed(&self, pose: &Pose) -> Result<Vec<Affine3A>, JsError> {
+    fn placed(&self, pose: &Pose) -> Result<Vec<Affine3A>, Exception> {
         let mut placed = vec![Affine3A::IDENTITY; self.inner.bones()];
         let located = self.inner.local_to_model(&pose.inner, &mut placed);
         located.map_err(raise)?;

@@ -9,8 +9,8 @@ use wasm_bindgen::prelude::*;
 
 use crate::armature::{Armature, Pose};
 use crate::clip::Clip;
+use crate::error::{Exception, raise};
 use crate::figure::Figure;
-use crate::raise;
 
 /// Content of a BVH file.
 #[wasm_bindgen]
@@ -28,7 +28,7 @@ pub struct MotionCapture {
 impl MotionCapture {
     /// Reads the bytes of a BVH file; `name` is used in messages and names the clip.
     #[wasm_bindgen(js_name = fromBytes)]
-    pub fn from_bytes(data: &[u8], name: Option<String>) -> Result<Self, JsError> {
+    pub fn from_bytes(data: &[u8], name: Option<String>) -> Result<Self, Exception> {
         let name = name.as_deref().unwrap_or("capture.bvh");
         let read = bvh::from_bytes(data, name).map_err(raise)?;
         let turning = read.turning_bones();
@@ -77,13 +77,13 @@ impl MotionCapture {
 
     /// The text of a BVH file of the capture, with its own channels, frames and frame time.
     #[wasm_bindgen(js_name = toBvh)]
-    pub fn to_bvh(&self) -> Result<String, JsError> {
+    pub fn to_bvh(&self) -> Result<String, Exception> {
         let format = BvhFormat::of_frame_time(self.frame_time).with_channels(&self.channels);
         bvh::to_text(&self.armature.inner, &self.clip, format).map_err(raise)
     }
 
     /// A figure to drag, with the given pose as its rest pose.
-    pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
+    pub fn figure(&self, pose: &Pose) -> Result<Figure, Exception> {
         Figure::standing(&self.armature.inner, &self.turning, pose)
     }
 }

@@ -6,7 +6,7 @@ use kinopt::animation::{Armature as Bones, Cursor};
 use wasm_bindgen::prelude::*;
 
 use crate::armature::Pose;
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// Animation clip of an armature.
 #[wasm_bindgen]
@@ -57,7 +57,7 @@ impl Clip {
     }
 
     /// Pose at a time in seconds of the file; `playback` is "hold", "loop" or "ping-pong".
-    pub fn sample(&mut self, seconds: f64, playback: Option<String>) -> Result<Pose, JsError> {
+    pub fn sample(&mut self, seconds: f64, playback: Option<String>) -> Result<Pose, Exception> {
         let mut inner = self.armature.rest().clone();
         let playback = crate::playback::playback(playback.as_deref())?;
         let sampled = self

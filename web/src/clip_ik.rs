@@ -12,7 +12,8 @@ use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
 use crate::clip::Clip;
-use crate::{object, raise};
+use crate::error::{Exception, raise};
+use crate::object;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -90,7 +91,7 @@ impl Clip {
     /// Inverse kinematics over the clip: bones reach targets over spans, and feet are locked in place while they hardly
     /// move. Each sample stays as close to the clip as possible. The root moves only if limbs are too short.
     #[wasm_bindgen(js_name = withIk)]
-    pub fn with_ik(&self, options: ClipIkOptions) -> Result<EditedClip, JsError> {
+    pub fn with_ik(&self, options: ClipIkOptions) -> Result<EditedClip, Exception> {
         const KNOWN: [&str; 7] = [
             "reach",
             "plant",
@@ -115,7 +116,7 @@ impl Clip {
             ik = ik.with_planted(foot);
         }
         if let Some(reaches) = options.get("reach") {
-            let not_a_list = || JsError::new("reach must be a list");
+            let not_a_list = || Exception::new("reach must be a list");
             for item in arguments::list(&reaches).ok_or_else(not_a_list)? {
                 ik = ik.with_reach(reach(item, &bone, motion)?);
             }
@@ -129,7 +130,7 @@ impl Clip {
                 Some(word) => {
                     let message =
                         format!("rootVelocity is \"{word}\", expected \"feet\" or three numbers");
-                    return Err(JsError::new(&message));
+                    return Err(Exception::new(&message));
                 }
                 None => vector(&velocity, "rootVelocity")?.as_vec3(),
             });
@@ -157,9 +158,9 @@ impl Clip {
 /// Reads the target of a bone.
 fn reach(
     options: JsValue,
-    bone: &impl Fn(&String) -> Result<BoneId, JsError>,
+    bone: &impl Fn(&String) -> Result<BoneId, Exception>,
     clip: &Motion,
-) -> Result<Reach, JsError> {
+) -> Result<Reach, Exception> {
     const KNOWN: [&str; 5] = ["bone", "target", "times", "span", "fade"];
     let options = NamedArguments::new(options, "part of a reach", &KNOWN)?;
     let bone = bone(&options.name("bone")?)?;
@@ -171,7 +172,7 @@ fn reach(
     let count = target.len();
     if count == 0 || count % 3 != 0 {
         let message = format!("target has {count} numbers, expected three for each point");
-        return Err(JsError::new(&message));
+        return Err(Exception::new(&message));
     }
     let points: Vec<DVec3> = target.chunks_exact(3).map(DVec3::from_slice).collect();
     let mut reach = match points[..] {
@@ -191,7 +192,7 @@ fn reach(
     Ok(reach)
 }
 
-fn vector(value: &JsValue, what: &str) -> Result<DVec3, JsError> {
+fn vector(value: &JsValue, what: &str) -> Result<DVec3, Exception> {
     arguments::vector::<3>(value, what).map(DVec3::from)
 }
 

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use wasm_bindgen::prelude::*;
 
+use crate::error::Exception;
+
 #[wasm_bindgen]
 extern "C" {
     /// Milliseconds since the start of the page, the worker or Node.
@@ -12,10 +14,10 @@ extern "C" {
 }
 
 /// Converts a time limit in seconds, and sets the library's clock; `what` names it in messages.
-pub(crate) fn time_limit(seconds: f64, what: &str) -> Result<Duration, JsError> {
+pub(crate) fn time_limit(seconds: f64, what: &str) -> Result<Duration, Exception> {
     kinopt::clock::set(|| Duration::from_secs_f64(1e-3 * now()));
     Duration::try_from_secs_f64(seconds).map_err(|_| {
-        JsError::new(&format!(
+        Exception::new(&format!(
             "{what} is {seconds} s, expected a finite number of at least 0"
         ))
     })

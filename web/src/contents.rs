@@ -48,7 +48,7 @@ pub(crate) fn parsed<T>(
     });
     match raised {
         Some(error) => Err(error),
-        None => parsed.map_err(|error| crate::raise(error).into()),
+        None => parsed.map_err(|error| crate::error::raise(error).into()),
     }
 }
 

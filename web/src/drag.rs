@@ -3,9 +3,9 @@
 use kinopt_bindings::task::Aimed;
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::model::Model;
 use crate::problem::{Problem, TargetsByName};
-use crate::raise;
 use crate::solution::Solution;
 
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse. Each frame continues from the
@@ -25,7 +25,7 @@ impl Drag {
         problem: &Problem,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
         #[wasm_bindgen(js_name = maxMove)] max_move: Option<f64>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let mut inner = kinopt::ik::Drag::new(problem.inner.clone(), start).map_err(raise)?;
         if let Some(radians) = max_move {
             inner = inner.with_max_move(radians).map_err(raise)?;
@@ -46,7 +46,7 @@ impl Drag {
         #[wasm_bindgen(js_name = velocityLimits)] velocity: Option<Vec<f64>>,
         #[wasm_bindgen(js_name = accelerationLimits)] acceleration: Option<Vec<f64>>,
         #[wasm_bindgen(js_name = jerkLimits)] jerk: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let numbers = self.inner.q().len();
         let mut limits = kinopt::ik::MotionLimits::unlimited(numbers);
         for (limit, values) in [
@@ -65,13 +65,13 @@ impl Drag {
 
     /// Moves targets without computing a frame. Keys are names of tasks, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
     #[wasm_bindgen(js_name = setTargets)]
-    pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), JsError> {
+    pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), Exception> {
         let mut aimed = Aimed::Drag(&mut self.inner);
         self.problem.aim(&mut aimed, Some(targets))
     }
 
     /// Computes one frame, after moving the given targets as in `setTargets`. Other targets stay.
-    pub fn advance(&mut self, targets: Option<TargetsByName>) -> Result<Solution, JsError> {
+    pub fn advance(&mut self, targets: Option<TargetsByName>) -> Result<Solution, Exception> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
         Ok(self.inner.advance().clone().into())
@@ -83,7 +83,7 @@ impl Drag {
         &mut self,
         targets: Option<TargetsByName>,
         frames: Option<u32>,
-    ) -> Result<Solution, JsError> {
+    ) -> Result<Solution, Exception> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
         let frames = at_least_one(frames)?;
@@ -96,7 +96,7 @@ impl Drag {
         &mut self,
         targets: Option<TargetsByName>,
         frames: Option<u32>,
-    ) -> Result<Solution, JsError> {
+    ) -> Result<Solution, Exception> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
         let frames = at_least_one(frames)?;
@@ -108,7 +108,7 @@ impl Drag {
     pub fn set_configuration(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         self.inner.set_configuration(q).map_err(raise)
     }
 
@@ -116,7 +116,7 @@ impl Drag {
     /// frames of the problem's model. The configuration stays. For a character whose scales shear its bones, call it
     /// after each frame with `skeleton.standingIn(pose).model`.
     #[wasm_bindgen(js_name = moveJoints)]
-    pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
+    pub fn move_joints(&mut self, model: &Model) -> Result<(), Exception> {
         self.inner.move_joints(&model.inner).map_err(raise)
     }
 
@@ -139,9 +139,9 @@ impl Drag {
     }
 }
 
-fn at_least_one(frames: Option<u32>) -> Result<usize, JsError> {
+fn at_least_one(frames: Option<u32>) -> Result<usize, Exception> {
     match frames.unwrap_or(1000) {
-        0 => Err(JsError::new("frames is 0, expected at least 1")),
+        0 => Err(Exception::new("frames is 0, expected at least 1")),
         frames => Ok(frames as usize),
     }
 }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use wasm_bindgen::prelude::*;
 
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// Keyframes of the angles of a rig's bones.
 #[wasm_bindgen]
@@ -34,7 +34,7 @@ impl EulerClip {
     }
 
     /// Stacked angles at a time, radians; `playback` is "hold", "loop" or "ping-pong".
-    pub fn sample(&self, seconds: f64, playback: Option<String>) -> Result<Vec<f64>, JsError> {
+    pub fn sample(&self, seconds: f64, playback: Option<String>) -> Result<Vec<f64>, Exception> {
         let mut q = vec![0.0; self.rig.skeleton.angles()];
         let playback = crate::playback::playback(playback.as_deref())?;
         self.rig

@@ -8,7 +8,7 @@ use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
 use crate::armature::Pose;
-use crate::raise;
+use crate::error::{Exception, raise};
 use crate::skeleton::Skeleton;
 
 /// A skeleton without limits whose angles are 0 in a given pose.
@@ -25,7 +25,7 @@ impl Figure {
         armature: &Rc<Bones>,
         turning: &BTreeSet<BoneId>,
         pose: &Pose,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let armature = Bones::clone(armature);
         let armature = armature.at_rest_in(&pose.inner).map_err(raise)?;
         let skeleton = armature
@@ -52,11 +52,11 @@ impl Figure {
     pub fn to_pose(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<Pose, JsError> {
+    ) -> Result<Pose, Exception> {
         let expected = self.skeleton.inner.angles();
         if q.len() != expected {
             let count = q.len();
-            return Err(JsError::new(&format!(
+            return Err(Exception::new(&format!(
                 "q has {count} numbers, expected {expected}"
             )));
         }

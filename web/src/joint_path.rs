@@ -3,9 +3,13 @@
 use js_sys::Array;
 use kinopt::arm::JointJump;
 use kinopt::motion::path::TimingLimits;
+use kinopt_bindings::per_joint::per_joint;
 use wasm_bindgen::prelude::*;
 
-use crate::{object, raise, view};
+use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
+use crate::value::Value;
+use crate::{object, view};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -20,6 +24,16 @@ export interface JointJump {
     reconfiguration: boolean;
 }
 
+/** Joint limits of times: one number for all joints, one for each, or numbers by joint name. */
+export interface TimingOptions {
+    /** rad/s² or m/s². Default: those of the robot. */
+    accelerationLimits?: PerJoint;
+    /** rad/s or m/s. Default: those of the robot. */
+    velocityLimits?: PerJoint;
+    /** Times a path with `unreached` rows too, which is an exception by default. */
+    allowUnreached?: boolean;
+}
+
 /** Results of the rows of a tracked path. */
 export interface TrackReport {
     /** 1 for each target that is reached, 0 for others. */
@@ -32,6 +46,9 @@ extern "C" {
     /// Jumps as objects.
     #[wasm_bindgen(typescript_type = "JointJump[]")]
     pub type JointJumps;
+    /// Options of times.
+    #[wasm_bindgen(typescript_type = "TimingOptions")]
+    pub type TimingOptions;
 }
 
 /// Joint path of an arm: one configuration a row, with its jumps and a report.
@@ -104,22 +121,26 @@ impl JointPath {
         self.report.clone()
     }
 
+    /// Rows that are not reached, or whose step is not proven collision-free, in order. The report has the reasons.
+    #[wasm_bindgen(getter)]
+    pub fn unreached(&self) -> Vec<usize> {
+        self.inner.unreached.clone()
+    }
+
     /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits.
-    /// Limits have one number for each joint or one for all. Velocity limits default to those of the robot.
-    pub fn times(
-        &self,
-        #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers | number")] velocities: JsValue,
-    ) -> Result<Vec<f64>, JsError> {
-        let limits = |value: &JsValue, what: &str, defaults: &[f64]| match value.as_f64() {
-            Some(number) => Ok(vec![number; self.joints.len()]),
-            None if value.is_undefined() => Ok(defaults.to_vec()),
-            None => crate::arguments::numbers(value, what),
+    pub fn times(&self, options: Option<TimingOptions>) -> Result<Vec<f64>, Exception> {
+        let known = ["acceleration_limits", "velocity_limits", "allow_unreached"];
+        let options = NamedArguments::of(options, "option of times", known)?;
+        let limits = |name: &str, defaults: &[f64]| match options.get(name) {
+            Some(limits) => per_joint(&Value(limits), name, &self.joints, None),
+            None => Ok(defaults.to_vec()),
         };
-        let [default_velocities, default_accelerations] = &self.rates;
-        let velocities = limits(&velocities, "velocities", default_velocities)?;
-        let accelerations = limits(&accelerations, "accelerations", default_accelerations)?;
-        let limits = TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joints);
+        let [velocities, accelerations] = &self.rates;
+        let velocities = limits("velocityLimits", velocities)?;
+        let accelerations = limits("accelerationLimits", accelerations)?;
+        let limits = TimingLimits::new(&velocities, &accelerations)
+            .with_joint_names(&self.joints)
+            .with_unreached_allowed(options.switch("allowUnreached")?.unwrap_or(false));
         let trajectory = self.inner.trajectory(&limits).map_err(raise)?;
         Ok(trajectory.times)
     }

@@ -2,9 +2,9 @@
 
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::model::Model;
 use crate::placement::columns;
-use crate::raise;
 use crate::view;
 
 use kinopt::kinematics::ForwardKinematics as Kinematics;
@@ -13,7 +13,7 @@ use kinopt::kinematics::ForwardKinematics as Kinematics;
 fn compiled(
     model: &Model,
     frames: Option<Vec<String>>,
-) -> Result<(Vec<String>, Kinematics), JsError> {
+) -> Result<(Vec<String>, Kinematics), Exception> {
     let model = &model.inner;
     let names = match frames {
         Some(names) => names,
@@ -41,7 +41,7 @@ pub struct ForwardKinematics {
 impl ForwardKinematics {
     /// Compiles these frames, or all.
     #[wasm_bindgen(constructor)]
-    pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, JsError> {
+    pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, Exception> {
         let (names, inner) = compiled(model, frames)?;
         Ok(Self {
             inner,
@@ -62,7 +62,7 @@ impl ForwardKinematics {
     pub fn place(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<js_sys::Float64Array, JsError> {
+    ) -> Result<js_sys::Float64Array, Exception> {
         let placed = self.inner.place(q).map_err(raise)?;
         self.placed.clear();
         self.placed.extend(placed.iter().flat_map(columns));
@@ -85,7 +85,7 @@ pub struct Jacobian {
 impl Jacobian {
     /// Compiles these frames, or all.
     #[wasm_bindgen(constructor)]
-    pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, JsError> {
+    pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, Exception> {
         let (names, kinematics) = compiled(model, frames)?;
         Ok(Self {
             names,
@@ -111,7 +111,7 @@ impl Jacobian {
     pub fn at(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<js_sys::Float64Array, JsError> {
+    ) -> Result<js_sys::Float64Array, Exception> {
         let matrix = self.inner.at(q).map_err(raise)?;
         self.matrix.clear();
         self.matrix.extend_from_slice(matrix.as_slice());
@@ -125,7 +125,7 @@ pub fn frame_placement(
     model: &Model,
     frame: String,
     #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-) -> Result<Vec<f64>, JsError> {
+) -> Result<Vec<f64>, Exception> {
     let (_, mut kinematics) = compiled(model, Some(vec![frame]))?;
     let placed = kinematics.place(q).map_err(raise)?;
     Ok(placed.iter().flat_map(columns).collect())
@@ -138,7 +138,7 @@ pub fn frame_jacobian(
     model: &Model,
     frame: String,
     #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-) -> Result<Vec<f64>, JsError> {
+) -> Result<Vec<f64>, Exception> {
     let (_, kinematics) = compiled(model, Some(vec![frame]))?;
     let mut jacobian = kinopt::kinematics::Jacobian::new(kinematics);
     Ok(jacobian.at(q).map_err(raise)?.as_slice().to_vec())

@@ -3,20 +3,21 @@
 use kinopt::model::Masses;
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::model::Model;
+use crate::object;
 use crate::rig::Rig;
 use crate::robot::Robot;
-use crate::{object, raise};
 
 /// Density of flesh, kg/m³.
 const DENSITY: f64 = 1000.0;
 
 /// Masses of a robot from its file, or of a rig by the volume of its mesh.
-pub(crate) fn masses_of(model: &Model) -> Result<Masses, JsError> {
+pub(crate) fn masses_of(model: &Model) -> Result<Masses, Exception> {
     match (&model.robot, &model.rig) {
         (Some(robot), _) => robot.masses().map_err(raise),
         (None, Some(rig)) => rig.masses(DENSITY).map_err(raise),
-        (None, None) => Err(JsError::new(
+        (None, None) => Err(Exception::new(
             "the model has no masses: set `masses` of the task",
         )),
     }
@@ -34,7 +35,7 @@ impl Robot {
     /// Masses by link: kilograms, and the centre of mass in the link's coordinates, metres. The option `masses` of tasks
     /// takes them.
     #[wasm_bindgen(getter)]
-    pub fn masses(&self) -> Result<FrameMasses, JsError> {
+    pub fn masses(&self) -> Result<FrameMasses, Exception> {
         let masses = self.inner.masses().map_err(raise)?;
         Ok(by_frame(self.inner.model(), &masses))
     }
@@ -45,7 +46,7 @@ impl Rig {
     /// Masses by bone: kilograms by the volume of its part of the mesh at 1000 kg/m³, and the centre of mass in the
     /// coordinates of the bone's first frame. The option `masses` of tasks takes them.
     #[wasm_bindgen(getter)]
-    pub fn masses(&self) -> Result<FrameMasses, JsError> {
+    pub fn masses(&self) -> Result<FrameMasses, Exception> {
         let masses = self.inner.masses(DENSITY).map_err(raise)?;
         Ok(by_frame(self.inner.skeleton.model(), &masses))
     }

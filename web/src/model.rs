@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use kinopt::model::Limits;
 use kinopt::robot::Robot;
+use kinopt_bindings::coordinates;
 use wasm_bindgen::prelude::*;
 
 /// Tree of joints with limits; problems use it.
@@ -50,6 +51,22 @@ impl Model {
     pub fn frame_names(&self) -> Vec<String> {
         let frames = self.inner.frames().iter();
         frames.map(|frame| frame.name.clone()).collect()
+    }
+
+    /// Names of the numbers of a configuration: of the joints, with the component for a ball's quaternion, as in
+    /// "hip w".
+    #[wasm_bindgen(getter, js_name = coordinateNames)]
+    pub fn coordinate_names(&self) -> Vec<String> {
+        coordinates::names(&self.inner)
+    }
+
+    /// Units of the numbers of a configuration: "rad" or "m", "units" for an unknown unit of length, "" for the
+    /// component of a quaternion.
+    #[wasm_bindgen(getter, js_name = coordinateUnits)]
+    pub fn coordinate_units(&self) -> Vec<String> {
+        let joints = self.inner.moving_joints().iter();
+        let units = joints.map(|&id| coordinates::unit(&self.inner, id));
+        units.map(str::to_owned).collect()
     }
 
     /// Number of values in a configuration: one for each revolute or prismatic joint, four for a ball joint, none for a

@@ -2,18 +2,17 @@
 
 use kinopt::model::ParameterMap;
 use kinopt_bindings::parameters;
-use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
+use crate::error::{Exception, raise};
 use crate::model::Model;
-use crate::raise;
 use crate::value::Value;
 
 /// Builds the map from `locked`, `only` and `held`; the default is that of the robot.
 pub(crate) fn parameters(
     model: &Model,
     options: &NamedArguments,
-) -> Result<Option<ParameterMap>, JsError> {
+) -> Result<Option<ParameterMap>, Exception> {
     let (only, held) = (options.texts("only")?, options.numbers("held")?);
     let locked = arguments::entries(options.get("locked").as_ref(), "locked")?;
     if locked.is_empty() && only.is_none() && held.is_none() {

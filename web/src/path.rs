@@ -1,6 +1,6 @@
 //! Cartesian paths of arms, with the fewest reconfigurations.
 
-use js_sys::Array;
+use js_sys::{Array, Reflect};
 use kinopt::motion::path::{CartesianPath, PathReport};
 use kinopt_bindings::names::miss_reason;
 use kinopt_bindings::option::{self, names};
@@ -8,10 +8,14 @@ use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
 use crate::arm::Arm;
+use crate::error::{Exception, raise};
 use crate::joint_path::JointPath;
-use crate::placement::read_all;
+use crate::placement::{columns, read, read_all};
 use crate::value::Value;
-use crate::{object, raise, solution};
+use crate::{arguments, object, solution};
+
+/// Default largest distance of points on a segment, metres.
+const DEFAULT_STEP: f64 = 0.01;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -19,10 +23,10 @@ export interface PathOptions {
     /** From first to last (the default), as a closed path, or as a closed path from the best entry. */
     traversal?: "open" | "cyclic" | "any-start";
     /** Configuration of the first point, or of the last; default: any. */
-    start?: Numbers;
-    end?: Numbers;
+    start?: Configuration;
+    end?: Configuration;
     /** Weight of a radian or metre of each joint in the path length. */
-    jointWeights?: Numbers;
+    jointWeights?: PerJoint;
     /** Largest displacement of a joint between two points on the same branch, radians; default: 0.2. */
     maxStep?: number;
     /** Largest number of known configurations of a point; default: 256. */
@@ -75,22 +79,21 @@ extern "C" {
     pub type PathOptions;
 }
 
-/// Solves a Cartesian path of the tool, sixteen numbers for each point in the arm's base, with the fewest
-/// reconfigurations, then the shortest. A point that is not reached is no exception: see `missed` of the report.
+/// Solves a Cartesian path of the tool: a `CartesianPath`, or sixteen numbers for each point in the arm's base. The
+/// result has the fewest reconfigurations, then the shortest. A point that is not reached is no exception: see `missed` of the report.
 #[wasm_bindgen(js_name = solvePath, unchecked_return_type = "JointPath & { readonly report: PathReport }")]
 pub fn solve_path(
     arm: &Arm,
-    #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
+    #[wasm_bindgen(unchecked_param_type = "Numbers | CartesianPath")] path: &JsValue,
     options: Option<PathOptions>,
-) -> Result<JointPath, JsError> {
+) -> Result<JointPath, Exception> {
     let known = names(&option::path::options());
     let arguments = NamedArguments::of(options, "option of a path", known)?;
     let options = option::path::PathOptions {
         tool_of_points: arguments.wholes("toolOfPoints")?,
-        ..option::path::PathOptions::of(&arguments)?
+        ..option::path::PathOptions::of(&arguments, &arm.inner)?
     };
-    let path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
-    let path = options.path::<Value>(path)?;
+    let path = options.path::<Value>(read_path(path)?)?;
     let others = arguments.numbers("tools")?.unwrap_or_default();
     let others = read_all(&others, "tool")?.into_iter();
     let others = others.map(|tool| arm.inner.with_tool(tool).map_err(raise));
@@ -99,6 +102,87 @@ pub fn solve_path(
     let reached = inner.reached();
     let (inner, errors) = inner.split_report();
     Ok(JointPath::new(&arm.inner, inner, reached, report(&errors)))
+}
+
+/// Path of a tool in the base of an arm: points, and segments that continue from the last point. Points of a segment are
+/// at most `step` metres (default 0.01) and 0.05 rad apart. A path is immutable: every method returns a longer one.
+#[wasm_bindgen(js_name = CartesianPath)]
+pub struct SegmentPath(CartesianPath);
+
+#[wasm_bindgen(js_class = CartesianPath)]
+impl SegmentPath {
+    /// Creates a path through points, sixteen numbers each.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
+    ) -> Result<Self, Exception> {
+        let points = read_all(points, "point")?;
+        CartesianPath::new(points).map(Self).map_err(raise)
+    }
+
+    /// The path continued on straight lines through `keys`, sixteen numbers each.
+    pub fn through(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] keys: &[f64],
+        step: Option<f64>,
+    ) -> Result<Self, Exception> {
+        let (path, keys) = (self.0.clone(), read_all(keys, "key")?);
+        let path = path.through(&keys, step.unwrap_or(DEFAULT_STEP));
+        path.map(Self).map_err(raise)
+    }
+
+    /// The path continued on a circular arc through the position `via` to the placement `end`.
+    #[wasm_bindgen(js_name = arcThrough)]
+    pub fn arc_through(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] via: &JsValue,
+        #[wasm_bindgen(unchecked_param_type = "Placement")] end: &[f64],
+        step: Option<f64>,
+    ) -> Result<Self, Exception> {
+        let (via, end) = (arguments::vector::<3>(via, "via")?, read(end, "end")?);
+        let path = self.0.clone();
+        let path = path.arc_through(via, end, step.unwrap_or(DEFAULT_STEP));
+        path.map(Self).map_err(raise)
+    }
+
+    /// The path continued on a Catmull-Rom spline through `keys`, sixteen numbers each.
+    #[wasm_bindgen(js_name = splineThrough)]
+    pub fn spline_through(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] keys: &[f64],
+        step: Option<f64>,
+    ) -> Result<Self, Exception> {
+        let (path, keys) = (self.0.clone(), read_all(keys, "key")?);
+        let path = path.spline_through(&keys, step.unwrap_or(DEFAULT_STEP));
+        path.map(Self).map_err(raise)
+    }
+
+    /// Points in the base, sixteen numbers each.
+    #[wasm_bindgen(getter)]
+    pub fn points(&self) -> Vec<f64> {
+        self.0.points().iter().flat_map(columns).collect()
+    }
+
+    /// Bounds on the distance of the curve from the straight step to each point, metres; empty for straight steps.
+    #[wasm_bindgen(getter)]
+    pub fn bulges(&self) -> Vec<f64> {
+        self.0.bulges().to_vec()
+    }
+}
+
+/// Reads a list of points, or the points and bulges of a `CartesianPath`.
+fn read_path(path: &JsValue) -> Result<CartesianPath, Exception> {
+    if arguments::list(path).is_some() {
+        let points = arguments::numbers(path, "path")?;
+        return CartesianPath::new(read_all(&points, "point")?).map_err(raise);
+    }
+    let field = |name: &str| {
+        let field = Reflect::get(path, &name.into()).unwrap_or(JsValue::UNDEFINED);
+        arguments::numbers(&field, &format!("path.{name}"))
+    };
+    let points = read_all(&field("points")?, "point")?;
+    let path = CartesianPath::new(points).map_err(raise)?;
+    path.with_bulges(field("bulges")?).map_err(raise)
 }
 
 /// Report as an object.

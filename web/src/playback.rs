@@ -2,12 +2,11 @@
 
 use kinopt::animation::Playback;
 use kinopt::model::UnknownName;
-use wasm_bindgen::prelude::*;
 
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// Returns a playback mode by its name; the default is "hold".
-pub(crate) fn playback(name: Option<&str>) -> Result<Playback, JsError> {
+pub(crate) fn playback(name: Option<&str>) -> Result<Playback, Exception> {
     match name {
         None | Some("hold") => Ok(Playback::Hold),
         Some("loop") => Ok(Playback::Loop),

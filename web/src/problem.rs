@@ -10,9 +10,9 @@ use kinopt_bindings::task::Aimed;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
+use crate::error::{Exception, raise};
 use crate::model::Model;
 use crate::parameters::parameters;
-use crate::raise;
 use crate::skeleton::Skeleton;
 use crate::task::{self, BoxedTask};
 use crate::value::Value;
@@ -132,7 +132,7 @@ struct ProblemRequest<'a> {
 }
 
 impl ProblemRequest<'_> {
-    fn problem(self, keep_clear: Option<&AddAvoidance<'_>>) -> Result<Problem, JsError> {
+    fn problem(self, keep_clear: Option<&AddAvoidance<'_>>) -> Result<Problem, Exception> {
         // `Problem.holding` chooses the free joints itself.
         let known: &[&str] = match self.holds {
             Some(_) => &["tolerance", "preferences", "bounds"],
@@ -191,7 +191,7 @@ impl Problem {
         model: &Model,
         tasks: Tasks,
         options: Option<ProblemOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let request = ProblemRequest {
             model,
             tasks,
@@ -210,7 +210,7 @@ impl Problem {
         tasks: Tasks,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
         options: Option<ProblemOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let inner = &skeleton.inner;
         let holds = inner.holds(&skeleton.bones_named(&dragged)?);
         let request = ProblemRequest {
@@ -248,7 +248,7 @@ impl Problem {
         world: &crate::world::World,
         margin: Option<f64>,
         options: Option<ProblemOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let checker = shapes.checker(world, margin)?;
         let request = ProblemRequest {
             model,
@@ -272,7 +272,7 @@ impl Problem {
         &self,
         aimed: &mut Aimed<'_>,
         targets: Option<TargetsByName>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let targets = targets.map(JsValue::from);
         for (name, value) in arguments::entries(targets.as_ref(), "targets")? {
             let Some(index) = self.names().position(|known| known == name) else {
@@ -287,7 +287,7 @@ impl Problem {
     }
 
     /// Targets of the problem with some of them moved.
-    pub(crate) fn targets(&self, moved: Option<TargetsByName>) -> Result<Targets, JsError> {
+    pub(crate) fn targets(&self, moved: Option<TargetsByName>) -> Result<Targets, Exception> {
         let mut targets = self.inner.targets();
         self.aim(&mut Aimed::Targets(&mut targets), moved)?;
         Ok(targets)

@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::armature::{Armature, Pose};
 use crate::clip::Clip;
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// Poses of an armature, recorded one after another at a fixed rate. Dragged or solved poses become a clip.
 #[wasm_bindgen]
@@ -21,9 +21,9 @@ pub struct Recording {
 impl Recording {
     /// Starts a recording of an armature's poses, at `fps` a second.
     #[wasm_bindgen(constructor)]
-    pub fn new(armature: &Armature, fps: f64) -> Result<Self, JsError> {
+    pub fn new(armature: &Armature, fps: f64) -> Result<Self, Exception> {
         if !(fps > 0.0 && fps.is_finite()) {
-            return Err(JsError::new(&format!("fps must be above 0, not {fps}")));
+            return Err(Exception::new(&format!("fps must be above 0, not {fps}")));
         }
         Ok(Self {
             armature: Rc::clone(&armature.inner),
@@ -33,11 +33,11 @@ impl Recording {
     }
 
     /// Appends the next pose.
-    pub fn add(&mut self, pose: &Pose) -> Result<(), JsError> {
+    pub fn add(&mut self, pose: &Pose) -> Result<(), Exception> {
         let (count, expected) = (pose.inner.bones(), self.armature.bones());
         if count != expected {
             let message = format!("the pose has {count} bones, expected {expected}");
-            return Err(JsError::new(&message));
+            return Err(Exception::new(&message));
         }
         self.poses.push(pose.inner.clone());
         Ok(())
@@ -50,7 +50,7 @@ impl Recording {
     }
 
     /// Clip through the poses, with linear interpolation.
-    pub fn clip(&self, name: &str) -> Result<Clip, JsError> {
+    pub fn clip(&self, name: &str) -> Result<Clip, Exception> {
         let frames = 0..self.poses.len();
         let times: Vec<f32> = frames.map(|k| (k as f64 / self.fps) as f32).collect();
         let clip =
@@ -60,7 +60,7 @@ impl Recording {
 
     /// BVH text of the poses.
     #[wasm_bindgen(js_name = toBvh)]
-    pub fn to_bvh(&self) -> Result<String, JsError> {
+    pub fn to_bvh(&self) -> Result<String, Exception> {
         kinopt::io::bvh::poses_to_text(&self.armature, &self.poses, self.fps).map_err(raise)
     }
 }

@@ -9,9 +9,9 @@ use wasm_bindgen::prelude::*;
 
 use crate::armature::Pose;
 use crate::contents::{self, Open};
+use crate::error::{Exception, raise};
 use crate::euler_clip::EulerClip;
 use crate::model::Model;
-use crate::raise;
 use crate::skeleton::Skeleton;
 use crate::view;
 
@@ -50,7 +50,6 @@ impl Rig {
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
         Model {
-            #[cfg(feature = "bodies")]
             rig: Some(Rc::clone(&self.inner)),
             ..self.skeleton.model()
         }
@@ -86,7 +85,7 @@ impl Rig {
 
     /// Creates a workspace for the skinned mesh. `method` is "lbs" (linear blend skinning, the default) or "dqs"
     /// (dual-quaternion skinning).
-    pub fn posing(&self, method: Option<String>) -> Result<RigPosing, JsError> {
+    pub fn posing(&self, method: Option<String>) -> Result<RigPosing, Exception> {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
         let rig = Rc::clone(&self.inner);
@@ -124,7 +123,7 @@ impl RigPosing {
     pub fn deform(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let posed = PosedVertices {
             positions: &mut self.positions,
             normals: &mut self.normals,
@@ -135,7 +134,7 @@ impl RigPosing {
 
     /// Computes the mesh in a pose of the skeleton's armature.
     #[wasm_bindgen(js_name = deformToPose)]
-    pub fn deform_to_pose(&mut self, pose: &Pose) -> Result<(), JsError> {
+    pub fn deform_to_pose(&mut self, pose: &Pose) -> Result<(), Exception> {
         let posed = PosedVertices {
             positions: &mut self.positions,
             normals: &mut self.normals,

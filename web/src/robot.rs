@@ -8,9 +8,10 @@ use kinopt_bindings::shape::{self, Measure};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
 use crate::model::Model;
 use crate::value::Value;
-use crate::{object, placement, raise};
+use crate::{object, placement};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -78,7 +79,7 @@ impl Robot {
         text: &str,
         name: Option<String>,
         options: Option<RobotOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         // No file is opened here.
         let known = names(&robot::options())
             .into_iter()
@@ -92,7 +93,7 @@ impl Robot {
 
     /// Creates a robot from the model of a rig, a skeleton or any other model, with an optional base joint.
     #[wasm_bindgen(js_name = ofModel)]
-    pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
+    pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, Exception> {
         let inner = kinopt::robot::Robot::new(model.inner.clone(), Vec::new());
         on_base(inner.map_err(raise)?, options)
     }
@@ -128,7 +129,7 @@ impl Robot {
     }
 
     /// Names of the joints from one link to another.
-    pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<String>, JsError> {
+    pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<String>, Exception> {
         let joints = self.inner.chain(base, tip).map_err(raise)?;
         let all = self.inner.model().joints();
         let names = joints.iter().map(|id| all[id.index()].name.clone());
@@ -143,7 +144,7 @@ impl Robot {
         link: &str,
         #[wasm_bindgen(js_name = linkFromTool, unchecked_param_type = "Placement")]
         link_from_tool: &[f64],
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let placement = placement::read(link_from_tool, "linkFromTool")?;
         let inner_robot = kinopt::robot::Robot::clone(&self.inner);
         let inner = inner_robot
@@ -153,7 +154,7 @@ impl Robot {
     }
 
     /// Visual shapes of a link, or its collision shapes; empty for frames without shapes.
-    pub fn shapes(&self, link: &str, collision: Option<bool>) -> Result<Shapes, JsError> {
+    pub fn shapes(&self, link: &str, collision: Option<bool>) -> Result<Shapes, Exception> {
         let frame = self.inner.model().frame(link).map_err(raise)?;
         let shapes = match (self.inner.link(frame), collision) {
             (None, _) => &[][..],
@@ -172,10 +173,10 @@ impl Robot {
         &self,
         feet: Vec<String>,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let model = self.inner.model();
         let feet = feet.iter().map(|foot| model.frame(foot).map_err(raise));
-        let feet = feet.collect::<Result<Vec<_>, JsError>>()?;
+        let feet = feet.collect::<Result<Vec<_>, Exception>>()?;
         let up = Vector3::UNITS[2];
         kinopt::ik::crouched_configuration(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
@@ -183,7 +184,7 @@ impl Robot {
     /// Contact points of a foot, in its frame, metres. They are the origins of its link and of the links fixed to it,
     /// and the corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })`
     /// balances over it.
-    pub fn sole(&self, foot: &str) -> Result<Points, JsError> {
+    pub fn sole(&self, foot: &str) -> Result<Points, Exception> {
         let frame = self.inner.model().frame(foot).map_err(raise)?;
         let points = self.inner.sole(frame).into_iter();
         let list = points.map(|point| js_sys::Float64Array::from(&point.to_array()[..]));
@@ -199,14 +200,14 @@ impl From<kinopt::robot::Robot> for Robot {
 }
 
 /// Puts a robot on the requested base.
-fn on_base(robot: kinopt::robot::Robot, options: Option<BaseOptions>) -> Result<Robot, JsError> {
+fn on_base(robot: kinopt::robot::Robot, options: Option<BaseOptions>) -> Result<Robot, Exception> {
     let known = ["base_joint", "base_bounds"];
     let options = NamedArguments::of(options, "option of a robot", known)?;
     on(&robot::RobotOptions::of(&options)?.base, robot)
 }
 
 /// Puts a robot on a base. Without a base joint its bounds are ignored.
-fn on(base: &robot::BaseSettings, robot: kinopt::robot::Robot) -> Result<Robot, JsError> {
+fn on(base: &robot::BaseSettings, robot: kinopt::robot::Robot) -> Result<Robot, Exception> {
     match base.joint {
         None => Ok(robot.into()),
         Some(_) => Ok(base.of::<Value>(robot)?.into()),
@@ -223,7 +224,7 @@ impl Robot {
         text: &str,
         name: Option<String>,
         options: Option<BaseOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let name = name.as_deref().unwrap_or("robot.xml");
         let inner = kinopt::robot::Robot::parse_mjcf(text, name);
         on_base(inner.map_err(raise)?, options)

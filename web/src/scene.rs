@@ -12,8 +12,8 @@ use wasm_bindgen::prelude::*;
 use crate::armature::{Armature, Pose};
 use crate::clip::Clip;
 use crate::contents::{self, Open};
+use crate::error::{Exception, raise};
 use crate::figure::Figure;
-use crate::raise;
 use crate::view;
 
 /// Bones, meshes and clips of a glTF file.
@@ -64,13 +64,13 @@ impl Scene {
     }
 
     /// A skeleton to drag, with the given pose as its rest pose.
-    pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
+    pub fn figure(&self, pose: &Pose) -> Result<Figure, Exception> {
         let turning = self.inner.turning_bones();
         Figure::standing(&self.armature.inner, &turning, pose)
     }
 
     /// Workspace for poses of the meshes, by "lbs" (linear blend) or "dqs" (dual quaternions).
-    pub fn posing(&self, method: Option<String>) -> Result<ScenePosing, JsError> {
+    pub fn posing(&self, method: Option<String>) -> Result<ScenePosing, Exception> {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
         let meshes = &self.inner.meshes;
@@ -125,7 +125,7 @@ pub struct ScenePosing {
 #[wasm_bindgen]
 impl ScenePosing {
     /// Computes the meshes in a pose.
-    pub fn deform(&mut self, pose: &Pose) -> Result<(), JsError> {
+    pub fn deform(&mut self, pose: &Pose) -> Result<(), Exception> {
         let posed = PosedVertices {
             positions: &mut self.positions,
             normals: &mut self.normals,

@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::armature::Armature;
 use crate::clip::Clip;
 use crate::contents::{self, Open};
-use crate::raise;
+use crate::error::{Exception, raise};
 
 /// A glTF file to which clips can be added. All other content, including materials and unknown data, does not change.
 #[wasm_bindgen]
@@ -50,14 +50,14 @@ impl SceneFile {
 
     /// Appends a clip.
     #[wasm_bindgen(js_name = addClip)]
-    pub fn add_clip(&mut self, clip: &Clip) -> Result<(), JsError> {
+    pub fn add_clip(&mut self, clip: &Clip) -> Result<(), Exception> {
         let added = self.inner.add_clip(clip.inner(), &WriteOptions::default());
         added.map_err(raise)
     }
 
     /// Bytes of the file: of a `.glb` if the original is one, else the text of a `.gltf`.
     #[wasm_bindgen(js_name = toBytes)]
-    pub fn to_bytes(&self) -> Result<Vec<u8>, JsError> {
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Exception> {
         self.inner.to_bytes().map_err(raise)
     }
 }

@@ -6,8 +6,8 @@ use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
 use crate::armature::Pose;
+use crate::error::{Exception, raise};
 use crate::model::Model;
-use crate::raise;
 
 /// Bones of a character, with three angles each.
 #[wasm_bindgen]
@@ -50,23 +50,23 @@ impl Skeleton {
     /// The same skeleton with its joints and tips at their positions in a pose of its armature, by the pose's own
     /// translations and scales. The meaning of the angles is unchanged.
     #[wasm_bindgen(js_name = standingIn)]
-    pub fn standing_in(&self, pose: &Pose) -> Result<Self, JsError> {
+    pub fn standing_in(&self, pose: &Pose) -> Result<Self, Exception> {
         let standing = pose.inner.posed_skeleton(&self.inner).map_err(raise)?;
         Ok(standing.into())
     }
 
     /// The frame at the start of a bone.
-    pub fn tail(&self, bone: &str) -> Result<String, JsError> {
+    pub fn tail(&self, bone: &str) -> Result<String, Exception> {
         self.frame(|bone| self.inner.tail(bone), bone)
     }
 
     /// Frame at the tip of a bone.
-    pub fn tip(&self, bone: &str) -> Result<String, JsError> {
+    pub fn tip(&self, bone: &str) -> Result<String, Exception> {
         self.frame(|bone| self.inner.tip(bone), bone)
     }
 
     /// Names of the bones whose tips should stay in place during a drag of the tips of `dragged`.
-    pub fn holds(&self, dragged: Vec<String>) -> Result<Vec<String>, JsError> {
+    pub fn holds(&self, dragged: Vec<String>) -> Result<Vec<String>, Exception> {
         let holds = self.inner.holds(&self.bones_named(&dragged)?);
         let ends = holds.ends.iter().map(|end| self.name(*end));
         Ok(ends.collect())
@@ -74,7 +74,7 @@ impl Skeleton {
 }
 
 impl Skeleton {
-    pub(crate) fn bones_named(&self, names: &[String]) -> Result<Vec<BoneId>, JsError> {
+    pub(crate) fn bones_named(&self, names: &[String]) -> Result<Vec<BoneId>, Exception> {
         let bones = names.iter().map(|name| self.inner.bone(name));
         bones.collect::<Result<_, _>>().map_err(raise)
     }
@@ -87,7 +87,7 @@ impl Skeleton {
         &self,
         frame_of: impl Fn(BoneId) -> kinopt::model::FrameId,
         bone: &str,
-    ) -> Result<String, JsError> {
+    ) -> Result<String, Exception> {
         let frame = frame_of(self.inner.bone(bone).map_err(raise)?);
         Ok(self.inner.model().frames()[frame.index()].name.clone())
     }

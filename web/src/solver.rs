@@ -7,8 +7,8 @@ use kinopt_bindings::option::{names, solver};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
 use crate::problem::{Problem, TargetsByName};
-use crate::raise;
 use crate::solution::Solution;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -56,7 +56,7 @@ pub struct Solver {
 impl Solver {
     /// Creates a solver; missing options have their defaults.
     #[wasm_bindgen(constructor)]
-    pub fn new(options: Option<SolverOptions>) -> Result<Self, JsError> {
+    pub fn new(options: Option<SolverOptions>) -> Result<Self, Exception> {
         let names = names(&solver::options());
         let options = NamedArguments::of(options, "option of a solver", names)?;
         let patience = options.whole("patience")?;
@@ -79,7 +79,7 @@ impl Solver {
         problem: &Problem,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
         targets: Option<TargetsByName>,
-    ) -> Result<Solution, JsError> {
+    ) -> Result<Solution, Exception> {
         let targets = problem.targets(targets)?;
         let instance = problem.inner.with_targets(&targets).map_err(raise)?;
         let solution = self.inner.solve(instance, start, &mut self.workspace);

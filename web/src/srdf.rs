@@ -6,8 +6,8 @@ use kinopt::model::{FrameId, JointId};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
 use crate::object;
-use crate::raise;
 use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -58,7 +58,7 @@ impl Srdf {
         robot: &Robot,
         name: Option<String>,
         options: Option<SrdfOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = NamedArguments::new(options, "option of an SRDF file", &["lenient"])?;
         let mut reader = kinopt::robot::Srdf::reader();
@@ -103,13 +103,13 @@ impl Srdf {
         &self,
         name: &str,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] at: Option<Vec<f64>>,
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let model = self.robot.model();
         let at = at.unwrap_or_else(|| model.neutral());
         let (count, expected) = (at.len(), model.configuration_len());
         if count != expected {
             let message = format!("at has {count} numbers, expected {expected}");
-            return Err(JsError::new(&message));
+            return Err(Exception::new(&message));
         }
         self.inner.state(name, &at).map_err(raise)
     }

@@ -2,15 +2,16 @@
 
 use kinopt::model::UnknownName;
 use kinopt::problem::ProblemBuilder;
-#[cfg(feature = "bodies")]
-use kinopt_bindings::task::AddBounded;
-use kinopt_bindings::task::{self, AddTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions};
+use kinopt_bindings::task::{
+    self, AddBounded, AddTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions,
+};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
+use crate::masses::masses_of;
 use crate::model::Model;
 use crate::names::camel;
-use crate::raise;
 use crate::value::Value;
 
 /// A task of a problem, with a target that can be moved.
@@ -23,11 +24,11 @@ struct TaskObject {
 }
 
 impl TaskObject {
-    fn new(task: JsValue) -> Result<Self, JsError> {
+    fn new(task: JsValue) -> Result<Self, Exception> {
         let kind = js_sys::Reflect::get(&task, &"kind".into());
         let kind = kind.ok().and_then(|kind| kind.as_string());
         let kind =
-            kind.ok_or_else(|| JsError::new("a task is an object with a kind: see `tasks`"))?;
+            kind.ok_or_else(|| Exception::new("a task is an object with a kind: see `tasks`"))?;
         let Some((kind, names)) = KINDS.iter().find(|(known, _)| camel(known) == kind) else {
             let kinds = KINDS.map(|(known, _)| camel(known));
             let kinds = kinds.iter().map(String::as_str);
@@ -44,7 +45,7 @@ pub(crate) fn add(
     task: JsValue,
     model: &Model,
     builder: &mut ProblemBuilder<'_>,
-) -> Result<BoxedTask, JsError> {
+) -> Result<BoxedTask, Exception> {
     let on = TaskModel {
         model: &model.inner,
         masses: &|| masses_of(model),
@@ -55,24 +56,22 @@ pub(crate) fn add(
         options: TaskOptions::of(&options)?,
     };
     match kind {
-        #[cfg(feature = "bodies")]
         "bounded" => add_bounded(&options, &on, add),
         _ => task::residual(&options, &on, kind, add),
     }
 }
 
 /// Adds the inner task with its interval.
-#[cfg(feature = "bodies")]
 fn add_bounded(
     outer: &NamedArguments,
     on: &TaskModel<'_, Value>,
     add: AddTask<'_, ProblemBuilder<'_>>,
-) -> Result<BoxedTask, JsError> {
+) -> Result<BoxedTask, Exception> {
     let inner = outer.get("task").unwrap_or(JsValue::UNDEFINED);
     let TaskObject { kind, options } = TaskObject::new(inner)?;
     if kind == "bounded" {
         let message = "nested `bounded`: use one interval instead";
-        return Err(JsError::new(message));
+        return Err(Exception::new(message));
     }
     let bounded = AddBounded {
         lower: outer.number("lower")?.unwrap_or(f64::NEG_INFINITY),
@@ -83,15 +82,4 @@ fn add_bounded(
         },
     };
     task::residual(&options, on, kind, bounded)
-}
-
-#[cfg(feature = "bodies")]
-use crate::masses::masses_of;
-
-/// Without the feature `bodies` no task has masses.
-#[cfg(not(feature = "bodies"))]
-fn masses_of(_model: &Model) -> Result<kinopt::model::Masses, JsError> {
-    Err(JsError::new(
-        "masses need a build with the feature `bodies`",
-    ))
 }

@@ -3,7 +3,9 @@
 //! A view is valid until the memory grows, which any call may cause; then its length is 0. Fetch it again for each
 //! frame: no data are copied.
 
-use js_sys::{Float32Array, Float64Array, WebAssembly};
+#[cfg(feature = "bodies")]
+use js_sys::Float32Array;
+use js_sys::{Float64Array, WebAssembly};
 use wasm_bindgen::JsCast;
 
 fn buffer() -> wasm_bindgen::JsValue {
@@ -12,6 +14,7 @@ fn buffer() -> wasm_bindgen::JsValue {
 }
 
 /// View of the numbers of single-precision vectors.
+#[cfg(feature = "bodies")]
 pub(crate) fn floats<T: bytemuck::Pod>(values: &[T]) -> Float32Array {
     let floats: &[f32] = bytemuck::cast_slice(values);
     let (at, count) = (floats.as_ptr() as usize as u32, floats.len() as u32);

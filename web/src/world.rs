@@ -4,9 +4,8 @@ use kinopt::collision::{self, Checker};
 use kinopt::spatial::{Placement, Vector3};
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::placement;
-use crate::raise;
-use crate::rig::Rig;
 use crate::robot::Robot;
 
 /// Obstacles by name; lengths in metres.
@@ -17,7 +16,7 @@ pub struct World {
 }
 
 /// Reads a placement of sixteen numbers, or a position of three.
-fn pose(numbers: Option<Vec<f64>>) -> Result<Placement<f64>, JsError> {
+fn pose(numbers: Option<Vec<f64>>) -> Result<Placement<f64>, Exception> {
     match numbers.as_deref() {
         None => Ok(Placement::identity()),
         Some(&[x, y, z]) => Ok(Placement::translation(Vector3::new(x, y, z))),
@@ -35,7 +34,7 @@ impl World {
 
     /// Reads a world from its JSON; `name` is its name in messages.
     #[wasm_bindgen(js_name = fromJson)]
-    pub fn from_json(text: &str, name: Option<String>) -> Result<Self, JsError> {
+    pub fn from_json(text: &str, name: Option<String>) -> Result<Self, Exception> {
         let name = name.as_deref().unwrap_or("world.json");
         let inner = collision::World::from_json(text.as_bytes(), name).map_err(raise)?;
         Ok(Self { inner })
@@ -49,7 +48,7 @@ impl World {
 
     /// The world with obstacles scaled by the factor `times`, together with their distance from the origin. Obstacles
     /// of a subject scale by `stride` for a robot.
-    pub fn scaled(&self, times: f64) -> Result<Self, JsError> {
+    pub fn scaled(&self, times: f64) -> Result<Self, Exception> {
         let inner = self.inner.scaled(times).map_err(raise)?;
         Ok(Self { inner })
     }
@@ -61,10 +60,10 @@ impl World {
         name: &str,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] size: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let size: [f64; 3] = size.try_into().map_err(|_| {
             let count = size.len();
-            JsError::new(&format!("size has {count} numbers, expected 3"))
+            Exception::new(&format!("size has {count} numbers, expected 3"))
         })?;
         let pose = self::pose(pose)?;
         self.inner.add_box(name, size, pose).map_err(raise)
@@ -77,7 +76,7 @@ impl World {
         name: &str,
         radius: f64,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let pose = self::pose(pose)?;
         self.inner.add_sphere(name, radius, pose).map_err(raise)
     }
@@ -90,7 +89,7 @@ impl World {
         radius: f64,
         length: f64,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let pose = self::pose(pose)?;
         let added = self.inner.add_cylinder(name, radius, length, pose);
         added.map_err(raise)
@@ -104,7 +103,7 @@ impl World {
         radius: f64,
         length: f64,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let pose = self::pose(pose)?;
         let added = self.inner.add_capsule(name, radius, length, pose);
         added.map_err(raise)
@@ -116,7 +115,7 @@ impl World {
         &mut self,
         name: &str,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let pose = self::pose(pose)?;
         self.inner.add_plane(name, pose).map_err(raise)
     }
@@ -127,26 +126,26 @@ impl World {
         &mut self,
         name: &str,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] pose: Vec<f64>,
-    ) -> Result<(), JsError> {
+    ) -> Result<(), Exception> {
         let pose = self::pose(Some(pose))?;
         self.inner.move_to(name, pose).map_err(raise)
     }
 
     /// Removes an obstacle.
-    pub fn remove(&mut self, name: &str) -> Result<(), JsError> {
+    pub fn remove(&mut self, name: &str) -> Result<(), Exception> {
         self.inner.remove(name).map_err(raise)
     }
 
     /// Allows collisions of an obstacle and a link, or of two obstacles, at any depth, until `forbidCollision` or the
     /// removal of one of the obstacles.
     #[wasm_bindgen(js_name = allowCollision)]
-    pub fn allow_collision(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+    pub fn allow_collision(&mut self, one: &str, other: &str) -> Result<(), Exception> {
         self.inner.allow_collision(one, other).map_err(raise)
     }
 
     /// Enables the collision pair again after `allowCollision`.
     #[wasm_bindgen(js_name = forbidCollision)]
-    pub fn forbid_collision(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+    pub fn forbid_collision(&mut self, one: &str, other: &str) -> Result<(), Exception> {
         self.inner.forbid_collision(one, other).map_err(raise)
     }
 
@@ -172,8 +171,8 @@ impl World {
 
 /// Copies the world of a caller's object.
 #[cfg(feature = "clip-ik")]
-pub(crate) fn copied(value: &JsValue, what: &str) -> Result<collision::World, JsError> {
-    let not_a_world = |_| JsError::new(&format!("{what} must be a World"));
+pub(crate) fn copied(value: &JsValue, what: &str) -> Result<collision::World, Exception> {
+    let not_a_world = |_| Exception::new(&format!("{what} must be a World"));
     let json = js_sys::Reflect::get(value, &"toJson".into());
     let json = json.and_then(|json| json.dyn_into::<js_sys::Function>());
     let json = json
@@ -195,20 +194,8 @@ impl CollisionModel {
     /// Creates the model from the collision shapes of a robot. Pairs that are always or never in contact, by sampled
     /// configurations, are omitted.
     #[wasm_bindgen(js_name = ofRobot)]
-    pub fn of_robot(robot: &Robot) -> Result<Self, JsError> {
+    pub fn of_robot(robot: &Robot) -> Result<Self, Exception> {
         let checker = Checker::of(&robot.inner).map_err(raise)?;
-        Ok(Self { checker })
-    }
-
-    /// Creates the model from the skin of a rig.
-    #[wasm_bindgen(js_name = ofSkin)]
-    pub fn of_skin(rig: &Rig) -> Result<Self, JsError> {
-        let rig = &rig.inner;
-        let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
-            return Err(JsError::new("the rig has no mesh with weights"));
-        };
-        let shapes = kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights);
-        let checker = Checker::covered(shapes.map_err(raise)?);
         Ok(Self { checker })
     }
 
@@ -216,7 +203,7 @@ impl CollisionModel {
     /// a spherised URDF. `file` is the name of the file; its extension gives the format. The spheres are enlarged by
     /// their gaps.
     #[wasm_bindgen(js_name = withSpheres)]
-    pub fn with_spheres(&self, text: &str, file: &str) -> Result<Self, JsError> {
+    pub fn with_spheres(&self, text: &str, file: &str) -> Result<Self, Exception> {
         let model = self.checker.model();
         let spheres = collision::SphereModel::parse(text.as_bytes(), file, model).map_err(raise)?;
         let checker = self.checker.clone().with_spheres(spheres);
@@ -248,12 +235,28 @@ impl CollisionModel {
 
 impl CollisionModel {
     /// Collision checker of the body with a world.
-    pub(crate) fn checker(&self, world: &World, margin: Option<f64>) -> Result<Checker, JsError> {
+    pub(crate) fn checker(&self, world: &World, margin: Option<f64>) -> Result<Checker, Exception> {
         let checker = self
             .checker
             .clone()
             .with_world(&world.inner)
             .map_err(raise)?;
         checker.with_margin(margin.unwrap_or(0.0)).map_err(raise)
+    }
+}
+
+#[cfg(feature = "bodies")]
+#[wasm_bindgen]
+impl CollisionModel {
+    /// Creates the model from the skin of a rig.
+    #[wasm_bindgen(js_name = ofSkin)]
+    pub fn of_skin(rig: &crate::rig::Rig) -> Result<Self, Exception> {
+        let rig = &rig.inner;
+        let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
+            return Err(Exception::new("the rig has no mesh with weights"));
+        };
+        let shapes = kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights);
+        let checker = Checker::covered(shapes.map_err(raise)?);
+        Ok(Self { checker })
     }
 }

@@ -182,3 +182,20 @@ test("an arm's joints convert to a robot's configuration", () => {
     assert.deepEqual([...arm.jointValues(whole)], [...q]);
     assert.deepEqual([...arm.configuration(arm.jointValues(before), before)], [...before]);
 });
+
+test("starts and numbers of joints are lists, numbers or names", () => {
+    const arm = pandaArm();
+    const start = arm.defaultStart.slice();
+    start[1] = 0.3;
+    const target = arm.baseFromTool(start.map((value) => value + 0.1));
+    assert.deepEqual(arm.solve(target, { joint2: 0.3 }).q, arm.solve(target, start).q);
+    assert.throws(() => arm.solve(target, { joint_2: 0.3 }), /joint2/);
+    const weighted = pandaArm({ maxMove: 0.01, jointWeights: { joint1: 2 } });
+    assert.ok(largestDifference(weighted.solve(target, start).q, start) <= 0.01 + 1e-12);
+    const narrow = pandaArm({ jointLimits: { joint3: [0.2, 0.5] } });
+    assert.deepEqual([narrow.lower[2], narrow.upper[2]], [0.2, 0.5]);
+    assert.throws(() => pandaArm({ jointLimits: { joint3: [-4, 0.5] } }), /joint3.*-2\.8973/);
+    const q = narrow.randomConfiguration(3);
+    assert.deepEqual(q, narrow.randomConfiguration(3));
+    assert.ok(q.every((value, k) => narrow.lower[k] <= value && value <= narrow.upper[k]));
+});

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
-import { Arm, ForwardKinematics, framePlacement, Problem, Robot, Solver, solvePath, Srdf, tasks } from "kinopt";
+import { Arm, CartesianPath, ForwardKinematics, framePlacement, Problem, Robot, Solver, solvePath, Srdf, tasks } from "kinopt";
 import { humanoid } from "./humanoid.js";
 import { model, panda, pandaArm } from "./panda.js";
 
@@ -59,10 +59,14 @@ test("a path has one branch, and reports unreached points", () => {
         assert.ok(Math.max(...tool.map((value, j) => Math.abs(value - path[16 * k + j]))) < 2e-6);
         if (k > 0) assert.ok(q.subarray(7 * k, 7 * k + 7).every((value, j) => Math.abs(value - q[7 * (k - 1) + j]) < 0.2));
     }
-    const times = solution.times(5, 1);
+    const times = solution.times({ accelerationLimits: 5, velocityLimits: 1 });
     assert.ok(times[0] === 0 && times.every((time, k) => k === 0 || time > times[k - 1]));
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
     assert.ok(!beyond.reached && beyond.report.missed.at(-1).index === 60 && /reach|found/.test(beyond.report.missed.at(-1).reason));
+    assert.equal(beyond.unreached.at(-1), 60);
+    assert.throws(() => beyond.times({ accelerationLimits: 5 }), /rows are not reached/);
+    assert.equal(beyond.times({ accelerationLimits: 5, allowUnreached: true }).length, 61);
+    assert.throws(() => solution.times({ accelerations: 5 }), /accelerationLimits/);
     assert.throws(() => solvePath(arm, path, { traversal: "back" }), /back.*cyclic/s);
     // The second half is for a tool that is 5 cm longer.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
@@ -80,6 +84,25 @@ test("a path has one branch, and reports unreached points", () => {
     const slow = solvePath(arm, path, { times: Array.from({ length: 61 }, (_, k) => k / 1000), keepTimes: true });
     assert.ok(slow.jumps.length > 0);
     assert.throws(() => solvePath(arm, path.subarray(0, 17)), /16/);
+});
+
+test("segments continue a path through their keys", () => {
+    const arm = pandaArm();
+    const home = arm.baseFromTool(arm.defaultStart);
+    const moved = (x, y, z) => home.map((value, k) => value + ([x, y, z][k - 12] ?? 0));
+    const over = [...moved(-0.05, 0, 0.05).subarray(12, 15)];
+    const lines = new CartesianPath(home).through([...moved(0, 0.1, 0), ...moved(0, 0.1, -0.1), ...moved(0, 0.1, 0)]);
+    const path = lines.arcThrough(over, moved(0, -0.1, 0)).splineThrough([...moved(0, -0.1, -0.1), ...moved(0, 0, -0.1)], 0.005);
+    const solved = solvePath(arm, path, { start: arm.defaultStart });
+    assert.ok(solved.reached && solved.q.length === (7 * path.points.length) / 16);
+    assert.ok(solved.report.largestDeviation < 1e-3);
+    const { points } = path;
+    for (let k = 16; k < points.length; k += 16) {
+        const step = Math.hypot(...[12, 13, 14].map((axis) => points[k + axis] - points[k - 16 + axis]));
+        assert.ok(step <= 0.01 + 1e-12, `${k / 16}: ${step}`);
+    }
+    assert.throws(() => path.through(home, 0), /step/);
+    assert.throws(() => new CartesianPath(home).arcThrough(over, home), /on one line/);
 });
 
 test("masses of robots and rigs are those of tasks", () => {

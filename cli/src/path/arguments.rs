@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::motion::path::Traversal;
+use kinopt::motion::path::{Curve, Traversal};
 use kinopt::spatial::Placement;
+use kinopt_bindings::names::named;
 use kinopt_bindings::problem_file::ProblemSettings;
 use kinopt_bindings::problem_file::number_list::{self, Numbers};
 use kinopt_bindings::problem_file::target;
@@ -20,6 +21,7 @@ Examples:
   kinopt path robot.urdf weld.csv --tip tool --out joints.csv
   kinopt path robot.urdf weld.csv --tip tool --interval rz=free --world cell.json --margin 0.01
   kinopt path robot.urdf contour.csv --tip tool --traversal any-start
+  kinopt path robot.urdf keys.csv --tip tool --curve spline:0.005
   kinopt path robot.urdf weld.csv --tip tool --joint-limits joint_limits.yaml --out timed.csv
 
 A reconfiguration is a step in which a joint moves more than --max-step. The report bounds the
@@ -45,6 +47,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "TRAVERSAL", value_parser = among(TRAVERSALS), default_value = "open",
           hide_default_value = true, hide_possible_values = true, help_heading = TARGETS)]
     pub(super) traversal: Traversal,
+
+    /// straight, arc or spline through the rows. Default step: 0.01 m.
+    #[arg(long, value_name = "CURVE[:STEP]", value_parser = curve, help_heading = TARGETS)]
+    pub(super) curve: Option<(Curve, f64)>,
 
     /// Configuration at the first point, one number a joint. Default: any.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = TARGETS)]
@@ -92,6 +98,28 @@ impl Arguments {
         }
     }
 }
+
+/// Default largest distance of the points on a curve, metres.
+const DEFAULT_STEP: f64 = 0.01;
+
+/// Parses `CURVE` or `CURVE:STEP`.
+fn curve(text: &str) -> Result<(Curve, f64), String> {
+    let (name, step) = match text.split_once(':') {
+        Some((name, step)) => (name, number_list::positive(step)?),
+        None => (text, DEFAULT_STEP),
+    };
+    match named("curve", name, &CURVES) {
+        Ok(curve) => Ok((curve, step)),
+        Err(unknown) => Err(unknown.to_string()),
+    }
+}
+
+/// Values of `--curve`.
+const CURVES: [(&str, Curve); 3] = [
+    ("straight", Curve::Straight),
+    ("arc", Curve::Arc),
+    ("spline", Curve::Spline),
+];
 
 /// Values of `--traversal`.
 const TRAVERSALS: [(&str, Traversal); 3] = [

@@ -44,7 +44,11 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let turns = columns_read.quaternion.is_some() && !problem.goal.position_only;
     let bounds = GoalBounds::new(&problem.goal.interval, (turns, turns))?;
     let (arm, columns) = arm(&problem, loaded, bounds)?;
-    let path = placed(arguments, path, bounds)?.with_traversal(arguments.traversal);
+    let path = match arguments.curve {
+        Some((curve, step)) => path.along(curve, step)?,
+        None => path,
+    };
+    let path = placed(arguments, path, bounds).with_traversal(arguments.traversal);
     let one_each = |option, given: Option<&Numbers>| {
         let by_joint = |given: &Numbers| columns.one_each(loaded, option, given);
         given.map(by_joint).transpose()
@@ -126,6 +130,13 @@ fn times(
         .all(|limit| limit.is_finite())
         .then_some(arm_limits);
     if let Some(accelerations) = accelerations.or(finite_limits) {
+        if !solution.unreached.is_empty() {
+            let unreached = counted(solution.unreached.len(), "row");
+            output::message(&format!(
+                "no times: {unreached} not reached or not collision-free"
+            ));
+            return Ok(None);
+        }
         let limits = TimingLimits::of(arm).with_acceleration_limits(accelerations);
         return Ok(Some(solution.trajectory(&limits)?.times));
     }
@@ -173,23 +184,10 @@ fn arm(
 }
 
 /// Path in the base, with points at the middle of their goal bounds.
-fn placed(
-    arguments: &Arguments,
-    path: CartesianPath,
-    bounds: GoalBounds,
-) -> Outcome<CartesianPath> {
+fn placed(arguments: &Arguments, path: CartesianPath, bounds: GoalBounds) -> CartesianPath {
     let path = match &arguments.at {
         Some(placement) => path.moved(placement),
         None => path,
     };
-    let points = path.points().iter().map(|point| bounds.middle(*point));
-    let points: Vec<Placement<f64>> = points.collect();
-    let mut moved = CartesianPath::new(points)?;
-    if let Some(times) = path.times() {
-        moved = moved.with_times(times)?;
-    }
-    if let Some(tools) = path.tools() {
-        moved = moved.with_tools(tools)?;
-    }
-    Ok(moved)
+    path.map_points(|point| bounds.middle(point))
 }

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use kinopt_bindings::retarget_folder::{FolderError, FolderMotion, MotionFolder};
+use kinopt_bindings::trajectory_file::TrajectoryFormat;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::movement_file::Format;
+use super::movement_file::extension_of;
 use super::{Arguments, Clip, Job};
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -35,9 +36,9 @@ struct Summary<'a> {
 
 /// Retargets every movement of the source folder. The files in `into` have the names of their sources.
 pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()> {
-    let format = arguments.format.unwrap_or(Format::Npz);
+    let format = arguments.format.unwrap_or(TrajectoryFormat::Npz);
     let job = Job::new(arguments, format)?;
-    let folder = MotionFolder::find(&arguments.source, into, &format.ending())?;
+    let folder = MotionFolder::find(&arguments.source, into, extension_of(format))?;
     let movements = folder.begin(&job.folder_query(), arguments.overwrite);
     let movements = movements.map_err(|error| match error {
         FolderError::OtherQuestion { .. } => {

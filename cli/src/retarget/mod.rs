@@ -16,12 +16,12 @@ use kinopt::motion::retarget::{
     FootShapes, KnownSkeleton, LostContact, RetargetOptions, Retargeting,
 };
 use kinopt_bindings::retarget_folder::FolderSettings;
+use kinopt_bindings::trajectory_file::TrajectoryFormat;
 use serde::Serialize;
 
 use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};
 use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
-use self::movement_file::Format;
 use self::source::{SourceOptions, Up};
 use self::target::Target;
 use crate::choices::first_given;
@@ -79,8 +79,8 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 
     /// Folders: npz, json, csv, bvh or glb. Default: npz.
-    #[arg(long, value_enum, help_heading = OUTPUT, hide_possible_values = true)]
-    format: Option<Format>,
+    #[arg(long, value_parser = movement_file::parse_format, help_heading = OUTPUT)]
+    format: Option<TrajectoryFormat>,
 
     /// .csv: header row, times, quaternion w, x, y, z, and contacts.
     #[arg(long, help_heading = OUTPUT)]
@@ -159,16 +159,16 @@ struct Job<'a> {
     /// Shapes of the feet. Meshes whose files are missing are left out.
     shapes: FootShapes,
     map: MapChoice,
-    format: Format,
+    format: TrajectoryFormat,
     /// Collision shapes in words, if they are not the default.
     unusual_shapes: Option<String>,
 }
 
 impl<'a> Job<'a> {
-    fn new(arguments: &'a Arguments, format: Format) -> Outcome<Self> {
+    fn new(arguments: &'a Arguments, format: TrajectoryFormat) -> Outcome<Self> {
         let problem = arguments.model_options.problem()?;
         let target = Target::read(&arguments.target, arguments.target_up, &problem.model)?;
-        format.check(&target)?;
+        movement_file::check(format, &target)?;
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
@@ -198,7 +198,7 @@ impl<'a> Job<'a> {
         query.map = self.map.given();
         query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
         query.whole = self.arguments.whole;
-        if self.format == Format::Csv && self.arguments.header {
+        if self.format == TrajectoryFormat::Csv && self.arguments.header {
             query.more.push("header".to_owned());
         }
         query
@@ -231,9 +231,8 @@ impl<'a> Job<'a> {
         let retargeted = retargeted.map_err(|error| self.map.failed(&file, &error))?;
         report_contacts(&file, &retargeted);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();
-        let header = self.arguments.header;
-        self.format
-            .write(&self.target, &retargeted, &name, header, out)?;
+        let options = (&*name, self.arguments.header);
+        movement_file::write(self.format, &self.target, &retargeted, options, out)?;
         Ok(Clip {
             out: out.to_owned(),
             frames: retargeted.rows().len(),
@@ -307,7 +306,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             arguments.source.display()
         ));
     }
-    let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
+    let clip = Job::new(arguments, movement_file::format_of(out)?)?.run(&arguments.source, out)?;
     if arguments.map.print_map {
         // Standard output has the map only, so that it is valid JSON.
         output::message(clip.summary().trim_end());

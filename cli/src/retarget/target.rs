@@ -23,9 +23,6 @@ pub(super) struct Target {
     pub(super) figure: Option<FigureTarget>,
 }
 
-/// Number of configuration values of a free base: x, y, z and quaternion w, x, y, z.
-pub(super) const BASE: usize = 7;
-
 impl Target {
     /// Reads a robot with its model options, or a figure on a free base.
     pub(super) fn read(path: &Path, up: Option<Up>, settings: &ModelSettings) -> Outcome<Self> {

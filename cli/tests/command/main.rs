@@ -11,6 +11,7 @@ mod animated_meshes;
 mod balance;
 mod ball_figures;
 mod base_joints;
+mod calibrate;
 mod character_convergence;
 mod check;
 mod clip_ik;

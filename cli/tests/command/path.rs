@@ -77,6 +77,33 @@ fn traversals_and_unreached_points_are_reported() {
 }
 
 #[test]
+fn rows_are_keys_of_a_curve() {
+    let folder = Folder::new("path-curves");
+    let keys = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0.1,0,0,1,0,0\n";
+    let path = folder.text("keys.csv", keys);
+    let command = format!("path {PANDA} {path} --tip tool --at 0.45,0,0.3");
+    // Two straight lines of 71 mm, and a half circle of 157 mm.
+    for (curve, points) in [("straight", 17), ("arc", 17), ("straight:0.05", 5), ("arc:0.005", 33)] {
+        let report = answer!("{command} --curve {curve}");
+        has!(report, {"points": points, "reached": true});
+    }
+    let spline = answer!("{command} --curve spline");
+    assert!(spline["points"].as_u64().unwrap() > 16);
+    refused!("{command} --curve helix" => 2, "helix | straight");
+    refused!("{command} --curve arc:0" => 2, "--curve");
+    refused!("path {PANDA} {SEAM} --tip tool --curve arc" => 1, "times");
+}
+
+#[test]
+fn unreached_rows_have_no_times() {
+    let folder = Folder::new("path-unreached");
+    let far = "x,y,z,qw,qx,qy,qz\n0.45,0,0.3,0,1,0,0\n4,0,0.3,0,1,0,0\n";
+    let path = folder.text("far.csv", far);
+    let report = answer!("path {PANDA} {path} --tip tool --accelerations 5");
+    assert!(report.get("times").is_none() && list(&report["missed"]).len() == 1);
+}
+
+#[test]
 fn invalid_paths_and_options_are_named() {
     let folder = Folder::new("path-wrong");
     let invalid = folder.text("bad.csv", "x,y,z\n1,2,3\n1,2,here\n");

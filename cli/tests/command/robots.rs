@@ -229,7 +229,8 @@ fn wrong_names_and_options_are_rejected() {
     refused!("solve {panda} {pose} --interval=rw=free" => 2, "rz");
     refused!("solve {panda} {both} --interval=rz=free" => 2, "--interval | orientation");
     refused!("solve {rig} {point} --search=nearest" => 2, "--search | rig | start or first");
-    refused!("info robot.xacro" => 1, ".xacro | .urdf | .json");
+    refused!("info robot.step" => 1, ".step | .urdf | .json");
+    refused!("info robot.xacro" => 1, "xacro robot.xacro > OUT.urdf | pip install xacro");
 }
 
 /// Joints that no target depends on keep their start values, for every method and number of attempts.

@@ -7,6 +7,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod arm;
+pub mod calibration;
 pub mod path;
 #[doc(hidden)]
 pub mod simd_ik;

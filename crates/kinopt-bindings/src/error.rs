@@ -102,6 +102,12 @@ impl Classify for kinopt::arm::ArmError {
     }
 }
 
+impl Classify for kinopt::calibration::CalibrationError {
+    fn kind(&self) -> ErrorKind {
+        unknown_name_if(matches!(self, Self::UnknownName(_)))
+    }
+}
+
 impl Classify for kinopt::motion::trajectory::MotionError {
     fn kind(&self) -> ErrorKind {
         unknown_name_if(matches!(self, Self::Name(_)))

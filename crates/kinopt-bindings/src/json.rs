@@ -79,6 +79,10 @@ impl Value for Json {
         self.as_str().map(str::to_owned)
     }
 
+    fn as_number(&self) -> Option<f64> {
+        self.as_f64()
+    }
+
     fn is_map(&self) -> bool {
         self.is_object()
     }
@@ -160,13 +164,7 @@ impl Value for Json {
 
     fn pose_bounds(&self, what: &str) -> Result<PoseBounds, JsonError> {
         match self.as_str() {
-            Some("pose") => Ok(PoseBounds::pose()),
-            Some("position") => Ok(PoseBounds::position()),
-            Some(_) => Err(expected(
-                what,
-                self,
-                "\"pose\", \"position\" or half widths",
-            )),
+            Some(name) => crate::names::goal(name).or_raise::<Self>(),
             None => {
                 let widths = self.array::<6>(what)?;
                 match widths.iter().all(|width| *width >= 0.0) {

@@ -10,18 +10,22 @@
 //! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
+//! - [`per_joint`]: numbers by joint, as a list, one number or by name
 //! - [`names`]: names of enum variants
 //! - [`shape`]: kinds and dimensions of the shapes of links
+//! - [`coordinates`]: names and units of the numbers of a configuration
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
 //! - [`json`]: the values and arguments of JSON
 //! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
+//! - `trajectory_file`: files of trajectories
 //! - [`error`]: kinds of errors
 
 pub mod clip_ik;
 pub mod cones;
 pub mod coordinate_order;
+pub mod coordinates;
 pub mod error;
 pub mod jobs;
 pub mod json;
@@ -29,6 +33,7 @@ pub mod method;
 pub mod names;
 pub mod option;
 pub mod parameters;
+pub mod per_joint;
 pub mod placement;
 pub mod problem;
 #[cfg(feature = "problem-files")]
@@ -37,6 +42,8 @@ mod quantities;
 pub mod retarget_folder;
 pub mod shape;
 pub mod task;
+#[cfg(feature = "trajectory-files")]
+pub mod trajectory_file;
 mod value;
 
 pub use error::{Classify, ErrorKind};

@@ -6,7 +6,7 @@ use kinopt::ik::{BoundKind, Side};
 use kinopt::model::{LoopKind, UnknownName};
 use kinopt::motion::path::MissReason;
 use kinopt::problem::{Derivatives, Preferences};
-use kinopt::task::{Axis, Quantity, Role};
+use kinopt::task::{Axis, PoseBounds, Quantity, Role};
 
 /// Names of values.
 pub type Names<T, const N: usize> = [(&'static str, T); N];
@@ -41,6 +41,18 @@ pub const PLAYBACKS: Names<Playback, 3> = [
 
 /// Roles of tasks.
 pub const ROLES: Names<Role, 2> = [("goal", Role::Goal), ("preference", Role::Preference)];
+
+/// Goal bounds by name: the full pose, or the position with any orientation.
+///
+/// # Errors
+/// If no goal has this name.
+pub fn goal(name: &str) -> Result<PoseBounds, UnknownName> {
+    let goals = [
+        ("pose", PoseBounds::pose()),
+        ("position", PoseBounds::position()),
+    ];
+    named("goal", name, &goals)
+}
 
 /// Coordinate axes.
 pub const AXES: Names<Axis, 3> = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];

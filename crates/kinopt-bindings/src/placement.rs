@@ -1,9 +1,77 @@
-//! Placements as sixteen numbers of a 4 x 4 matrix.
+//! Placements as sixteen numbers of a 4 x 4 matrix, or as a position and a quaternion.
 
-use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::spatial::{Matrix3, Placement, Quaternion, Vector3};
+use kinopt::task::PoseBounds;
+
+/// Largest deviation of a quaternion's length from 1, from rounding; quaternions are normalised.
+pub const QUATERNION_LENGTH_TOLERANCE: f64 = 0.01;
 
 /// Largest deviation of the last row from 0 0 0 1.
 const LAST_ROW_TOLERANCE: f64 = 1e-9;
+
+/// A placement, or a position without orientation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseTarget {
+    /// The placement; without an orientation its rotation is the identity.
+    pub placement: Placement<f64>,
+    /// False for a position.
+    pub has_orientation: bool,
+}
+
+impl PoseTarget {
+    /// Reads a position x, y, z, or a position with a quaternion w, x, y, z.
+    ///
+    /// # Errors
+    /// If there are other numbers of them, or the quaternion's length is not 1.
+    pub fn of_numbers(numbers: &[f64]) -> Result<Self, String> {
+        let (position, rotation) = match *numbers {
+            [x, y, z] => ([x, y, z], None),
+            [x, y, z, qw, qx, qy, qz] => ([x, y, z], Some(of_quaternion([qw, qx, qy, qz])?)),
+            _ => {
+                return Err(format!(
+                    "a placement takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {}",
+                    numbers.len()
+                ));
+            }
+        };
+        Ok(Self {
+            placement: Placement::new(rotation.unwrap_or(Matrix3::identity()), position.into()),
+            has_orientation: rotation.is_some(),
+        })
+    }
+
+    /// The placement as a target under goal bounds; `what` names it in messages.
+    ///
+    /// # Errors
+    /// If it has no orientation, and the bounds do not leave the orientation free.
+    pub fn within(self, bounds: &PoseBounds, what: &str) -> Result<Placement<f64>, String> {
+        match self.has_orientation || !bounds.has_orientation() {
+            true => Ok(self.placement),
+            false => Err(format!(
+                "{what} is a position without orientation, but the goal bounds the orientation: set goal=\"position\", \
+                 or add an orientation, such as a quaternion (w, x, y, z)"
+            )),
+        }
+    }
+}
+
+/// Reads a quaternion w, x, y, z, and normalises it.
+///
+/// # Errors
+/// If its length is not 1.
+pub fn of_quaternion(wxyz: [f64; 4]) -> Result<Matrix3<f64>, String> {
+    let length = wxyz.iter().map(|c| c * c).sum::<f64>().sqrt();
+    // Negated test: NaN fails it.
+    let is_unit = (length - 1.0).abs() <= QUATERNION_LENGTH_TOLERANCE;
+    if !is_unit {
+        return Err(format!(
+            "the quaternion (w,x,y,z) has length {length:.6}; expected 1"
+        ));
+    }
+    let [w, x, y, z] = wxyz.map(|c| c / length);
+    let v = Vector3::new(x, y, z);
+    Ok(Quaternion { w, v }.to_matrix())
+}
 
 /// Reads sixteen numbers, row-major.
 ///

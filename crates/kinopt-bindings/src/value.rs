@@ -8,6 +8,7 @@ use kinopt::task::{Camera, PoseBounds};
 use kinopt::{Model, SizeMismatch};
 
 use crate::error::{Classify, ErrorKind};
+use crate::placement::PoseTarget;
 use crate::quantities::QuantityValues;
 
 /// Lower and upper bounds by name.
@@ -37,6 +38,9 @@ pub trait Value: Sized {
 
     /// The string, if the value is one.
     fn as_text(&self) -> Option<String>;
+
+    /// The number, if the value is one.
+    fn as_number(&self) -> Option<f64>;
 
     /// True for values by name, such as a dict or an object.
     fn is_map(&self) -> bool;
@@ -124,6 +128,18 @@ pub trait Value: Sized {
     /// # Errors
     /// If the value is no placement.
     fn placement(&self, what: &str) -> Result<Placement<f64>, Self::Error>;
+
+    /// Reads a placement, or a position without orientation.
+    ///
+    /// # Errors
+    /// If the value is neither.
+    fn pose_target(&self, what: &str) -> Result<PoseTarget, Self::Error> {
+        let placement = self.placement(what)?;
+        Ok(PoseTarget {
+            placement,
+            has_orientation: true,
+        })
+    }
 
     /// Reads a rotation, or that of a placement.
     ///

@@ -20,7 +20,9 @@ class Folder:
     """Tables by name; a file appears when it is complete."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        self.name = os.fspath(folder)
+        self.name: str = os.fspath(folder)
+        self.system: fs.FileSystem
+        self.path: str
         try:
             if "://" in self.name:
                 self.system, self.path = fs.FileSystem.from_uri(self.name)

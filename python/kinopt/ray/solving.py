@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .. import tasks
 from .._kinopt import Arm, Problem, Solver
 from ..errors import InvalidValueError, UnknownNameError
+from ..types import Floats
 from .tables import column, numbers
 
 ANSWERS = ("q", "reached", "position_error", "orientation_error", "attempts", "iterations")
@@ -95,10 +96,10 @@ class SolveProblem:
         if (start is None) == (starts is None):
             raise InvalidValueError("give either start or starts")
         self.problem = problem
-        self.start = None if start is None else np.asarray(start, dtype=np.float64)
-        self.targets = dict(targets or {})
+        self.start: Floats | None = None if start is None else np.asarray(start, dtype=np.float64)
+        self.targets: dict[str, str] = dict(targets or {})
         self.starts = starts
-        self.solver = Solver() if solver is None else solver
+        self.solver: Solver = Solver() if solver is None else solver
         self.max_move = max_move
         self.keep = keep
         self.threads = threads

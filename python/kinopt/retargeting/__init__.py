@@ -10,7 +10,7 @@ from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
-from .movement import LostContact, LimitMet, RetargetReport, Touching, save, to_clip
+from .movement import LostContact, LimitMet, RetargetReport, Touching, to_clip
 from .retarget import retarget
 from .sources import read_capture
 
@@ -28,6 +28,5 @@ __all__ = [
     "read_capture",
     "retarget",
     "retarget_folder",
-    "save",
     "to_clip",
 ]

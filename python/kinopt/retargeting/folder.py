@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from .. import progress as bars
-from .._kinopt import World
+from .._kinopt import SceneFile, World
 from .._kinopt.retargeting import folder_begun
 from ..errors import InvalidValueError, KinoptError
 from .maps import MapLike, is_skeleton, read_map
-from .movement import save
 from .retarget import retarget
 from .targets import TargetLike, read_target
 
@@ -53,7 +52,7 @@ class Begun:
     def __init__(self, movements: list[tuple[str, str, bool]]) -> None:
         self._pairs = [(source, out) for source, out, _ in movements]
         self._reports = {(source, out): ClipReport(source, out, done_before=True) for source, out, done in movements if done}
-        self.left = [pair for pair in self._pairs if pair not in self._reports]
+        self.left: list[tuple[str, str]] = [pair for pair in self._pairs if pair not in self._reports]
 
     def note(self, pair: Pair, report: ClipReport) -> None:
         """Records the report of a remaining file."""
@@ -94,7 +93,7 @@ class FolderJob:
         source, out = pair
         try:
             retargeted = retarget(source, self.target, self.map, **self.options)
-            save(retargeted, out)
+            retargeted.save(out)
         except KinoptError as error:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
@@ -131,7 +130,7 @@ def retarget_folder(
     progress: bool | Callable[[int, int], None] = False,
 ) -> list[ClipReport]:
     """Retargets every motion capture of a folder and its subfolders to a robot or a rig: a .npz each, as
-    ``retargeting.save`` writes it.
+    ``Trajectory.save`` writes it.
 
     Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
     A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal
@@ -186,7 +185,10 @@ def folder_job(
     """Creates the job of a folder."""
     joints = options.get("joints")
     options["joints"] = None if joints is None else list(joints)
-    return FolderJob(os.fspath(source), os.fspath(out), read_target(target), map, options)
+    target = read_target(target)
+    # A file cannot be sent to a worker, and a .npz has no use of its materials.
+    target = target.scene if isinstance(target, SceneFile) else target
+    return FolderJob(os.fspath(source), os.fspath(out), target, map, options)
 
 
 __all__ = ["ClipReport", "retarget_folder"]

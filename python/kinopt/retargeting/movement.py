@@ -1,10 +1,8 @@
-"""The report of a retargeted motion, and its files and clips."""
+"""The report of a retargeted motion, and its clips."""
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +10,7 @@ from numpy.typing import NDArray
 
 from .._kinopt import Trajectory
 from .._kinopt.animation import Clip
-from .._kinopt.retargeting import Capture, FigureTarget, unfinished
-from ..errors import FileError, InvalidValueError
+from .._kinopt.retargeting import Capture, FigureTarget
 from ..types import Floats
 from .targets import TargetLike, read_target
 
@@ -120,33 +117,4 @@ def to_clip(motion: Trajectory[RetargetReport], target: TargetLike, name: str = 
     return figure.clip(motion.q, motion.report.fps, name)
 
 
-def save(motion: Trajectory[RetargetReport], path: str | os.PathLike[str]) -> None:
-    """Writes ``q``, ``fps``, ``names``, ``contacts``, ``contact_frames`` and ``contact_points`` as a .npz, which appears
-    when it is complete.
-
-    Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
-    """
-    path = Path(path)
-    if path.suffix != ".npz":
-        raise InvalidValueError(f"{path}: expected the extension .npz")
-    report = motion.report
-    # Written next to the target of a symbolic link.
-    real = Path(os.path.realpath(path))
-    part = unfinished(real)
-    try:
-        with part.open("wb") as file:
-            np.savez(
-                file,
-                q=motion.q,
-                fps=report.fps,
-                names=np.array(motion.names),
-                contacts=report.contacts,
-                contact_frames=np.array(report.contact_frames, dtype=str),
-                contact_points=report.contact_points,
-            )
-        part.replace(real)
-    except OSError as error:
-        raise FileError(f"{path}: cannot be written: {error}") from None
-
-
-__all__ = ["LostContact", "LimitMet", "RetargetReport", "Touching", "save", "to_clip"]
+__all__ = ["LostContact", "LimitMet", "RetargetReport", "Touching", "to_clip"]

@@ -11,8 +11,8 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import progress as bars
-from .._kinopt import Trajectory, World
-from .._kinopt.retargeting import Capture, capture_retargeted
+from .._kinopt import SceneFile, Trajectory, World
+from .._kinopt.retargeting import Capture, FigureTarget, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching
 from .sources import Source, read_capture
@@ -68,27 +68,30 @@ def retarget(
     target: TargetLike,
     map: MapLike = None,
     *,
-    joints: Sequence[str] | None = None,
     fps: float | None = None,
+    whole: bool = False,
+    world: World | None = None,
+    margin: float | None = None,
+    keep_clear: float | None = None,
+    joints: Sequence[str] | None = None,
     up: Literal["y", "z"] | None = None,
     clip: str | None = None,
-    whole: bool = False,
     contact_speed: float | None = None,
     contact_height: float | None = None,
     acceleration: float | None = None,
-    keep_clear: float | None = None,
-    world: World | None = None,
-    margin: float | None = None,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Trajectory[RetargetReport]:
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
-    ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
-    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A robot that
-    walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the report. A
-    skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene, a
-    ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
-    .xml, .glb, .gltf, .bvh or rig's .json file. ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
+    Returns a trajectory whose ``q`` has shape (T, configuration_len): metres (else the model's unit) and radians.
+
+    ``source`` is as in ``read_capture``: positions of shape (T, J, 3) in any unit, a ``MotionCapture``, a clip or a
+    file; so are ``joints``, ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A
+    robot that walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the
+    report. A skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene,
+    a ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
+    .xml, .glb, .gltf, .bvh or rig's .json file. ``save`` of the result writes files,
+    ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",
     "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``. The result contains the map. One file may hold
@@ -159,7 +162,9 @@ def retarget(
         notes=notes,
         capture=request.capture,
     )
-    return Trajectory(np.arange(len(q)) / request.capture.fps, q, names, report)
+    # A file cannot be pickled, its figure can.
+    model = FigureTarget(request.target) if isinstance(request.target, SceneFile) else request.target
+    return Trajectory(np.arange(len(q)) / request.capture.fps, q, names, report, model)
 
 
 __all__ = ["retarget"]

@@ -6,11 +6,11 @@ import os
 from pathlib import Path
 from typing import TypeAlias, Union
 
-from .._kinopt import Model, MotionCapture, Rig, Robot, Scene
+from .._kinopt import Model, MotionCapture, Rig, Robot, Scene, SceneFile
 from ..errors import InvalidFileError
 from ..types import HasModel
 
-Target: TypeAlias = Union[Model, HasModel, Scene, MotionCapture]
+Target: TypeAlias = Union[Model, HasModel, Scene, SceneFile, MotionCapture]
 """A robot with a free base, a skeleton (a rig, a skeleton, a scene, a motion capture), or a model."""
 
 TargetLike: TypeAlias = Union[Target, str, "os.PathLike[str]"]
@@ -30,7 +30,7 @@ def read_target(target: TargetLike) -> Target:
     if kind in (".xml", ".mjcf"):
         return Robot.from_mjcf(path, base_joint="free")
     if kind in (".glb", ".gltf"):
-        return Scene.read(path)
+        return SceneFile.read(path)
     if kind == ".bvh":
         return MotionCapture.read(path)
     if kind == ".json":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import webbrowser
 from collections.abc import Sequence
 from typing import get_args
 
@@ -27,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--package", action="append", default=[], metavar="DIR", help="folder of packages with meshes"
     )
-    parser.add_argument("--capsules", action="store_true", help="draw capsules instead of meshes")
+    parser.add_argument("--capsules", action="store_true", help="draw capsules instead of meshes and collision shapes")
     parser.add_argument(
         "--up", choices=("y", "z"), help="upward axis; default: z for robots and rigs, y for scenes and captures"
     )
@@ -38,7 +37,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help=f"base joint of a robot: {', '.join(get_args(BaseJoint))}",
     )
     parser.add_argument(
-        "--hold", action="append", default=[], metavar="FRAME", help="pin a frame, such as the feet of a robot on a free base"
+        "--hold",
+        action="append",
+        default=[],
+        metavar="FRAME",
+        help="pin a frame of a robot on a free base; default: the feet of a humanoid",
     )
     parser.add_argument(
         "--world", metavar="FILE", help="world of obstacles for a robot, or a rig with a skin: .json, or MoveIt's .yaml"
@@ -80,9 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     for note in page.notes:
         print(note, file=sys.stderr)
-    print(f"{page.scene.url}  (Ctrl-C to stop)", flush=True)
-    if not options.no_browser:
-        webbrowser.open(page.scene.url)
+    page.scene.announce(browser=not options.no_browser)
     page.scene.wait()
     return 0
 

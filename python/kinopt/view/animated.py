@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,12 @@ from numpy.typing import NDArray
 from . import look
 from .body import Clip, Piece
 from .canvas import Canvas
+from .curves import MAX_SAMPLES, Curves, curves_in
 from .figure import Figure
 from .look import Color
 from .mesh_on_bones import MeshOnBones
 from .skin import bone_skin
-from .solids import Solid
-
+from .textures import triangle_colors
 
 Array = NDArray[np.float64]
 
@@ -41,41 +42,49 @@ class AnimatedBody(Figure):
         *,
         color: Color | None = None,
         opacity: float | None = None,
+        file: Path | None = None,
     ) -> None:
-        """Arguments are as in `Scene.add`; `thing` is a `kinopt.Scene` or a `kinopt.MotionCapture`."""
+        """Arguments are as in `Scene.add`; `thing` is a `kinopt.Scene` or a `kinopt.MotionCapture`, `file` its file."""
         #: Bones of the file.
         self.armature: Any = thing.armature
         self._turning = turning_bones(thing)
         self._limits = np.zeros((self.armature.bones, 3, 2))
         self._limits[sorted(self._turning)] = [-np.inf, np.inf]
-        self._pose = self.armature.rest
+        clips = clips_of(thing)
+        self._pose = clips[0].sample(clips[0].span[0]) if clips else self.armature.rest
         super().__init__(scene, self._skeleton_in(self._pose, name), name, at)
         bones = self.armature.names
         self._bone_of_frame = {
             frame: bones.index(self.skeleton.bone_of_frame(frame)[0]) for frame in self.frame_names
         }
-        self._clips: list[Clip] = [Played(self, clip) for clip in clips_of(thing)]
-        self._meshes = self._build_meshes(thing, color, opacity)
-        self.missing += [note for mesh in self._meshes for note in mesh.notes]
+        self._clips: list[Clip] = [Played(self, clip) for clip in clips]
+        self._moments = self._sampled(clips)
+        self._meshes = self._build_meshes(thing, color, opacity, file)
+        self.missing.extend(note for mesh in self._meshes for note in mesh.notes)
         self.show_pose(self._pose)
 
     def _skeleton_in(self, pose: Any, name: str) -> Any:
         return self.armature.at_rest_in(pose).skeleton(name, self._limits)
 
-    def _build_meshes(self, thing: Any, color: Color | None, opacity: float | None) -> list[MeshOnBones]:
-        poses = [self.armature.local_to_model(self._pose)[None]]
-        for clip in clips_of(thing):
-            start, end = clip.span
-            poses.append(self.armature.local_to_model(clip.sample(np.linspace(start, end, CLIP_SAMPLES))))
-        samples = np.concatenate(poses).astype(float)
+    def _sampled(self, clips: list[Any]) -> list[Array]:
+        """model_from_bone of the first pose, and at several times of each clip, (N, bones, 4, 4)."""
+        times = [np.linspace(clip.span[0], clip.span[1], CLIP_SAMPLES) for clip in clips]
+        moving = [self.armature.local_to_model(clip.sample(moments)) for clip, moments in zip(clips, times, strict=True)]
+        return [np.asarray(pose, dtype=float) for pose in [self.armature.local_to_model(self._pose)[None], *moving]]
+
+    def _build_meshes(
+        self, thing: Any, color: Color | None, opacity: float | None, file: Path | None
+    ) -> list[MeshOnBones]:
+        samples = np.concatenate(self._moments)
         meshes = list(getattr(thing, "meshes", []))
         bone_meshes = []
-        for i, mesh in enumerate(meshes):
+        textured = [None] * len(meshes) if file is None or color else triangle_colors(file, meshes)
+        for i, (mesh, colors) in enumerate(zip(meshes, textured, strict=True)):
             mesh_color = color or COLORS[i % len(COLORS)]
-            bone_meshes.append(MeshOnBones.of_scene(self, f"{self.name}/{i}", mesh, samples, mesh_color, opacity))
+            bone_meshes.append(MeshOnBones.of_scene(self, f"{self.name}/{i}", mesh, samples, mesh_color, opacity, colors))
         if not meshes:
             bones = np.arange(self.armature.bones)
-            rest_placements = np.asarray(self.armature.rest_from_model, dtype=float)
+            rest_placements = np.linalg.inv(samples[0])
             skin = bone_skin(self.skeleton)
             mesh_color = color or look.BONE
             bone_meshes.append(
@@ -97,8 +106,9 @@ class AnimatedBody(Figure):
     def standing(self) -> None:
         """Sets the rest pose of the skeleton to the current pose."""
         if self._stale:
-            self.skeleton = self.thing = self._skeleton_in(self._pose, self.name)
-            self.model = self.skeleton.model
+            self.skeleton: Any = self._skeleton_in(self._pose, self.name)
+            self.thing: Any = self.skeleton
+            self.model: Any = self.skeleton.model
             self._stale = False
 
     def _place(self, q: Array) -> None:
@@ -115,6 +125,7 @@ class AnimatedBody(Figure):
         world_from_bone = self.at @ self._model_from_bone
         for mesh in self._meshes:
             mesh.move(world_from_bone, self._pose)
+        self._tell_moved()
 
     def frame(self, name: str) -> Array:
         """Current pose of a frame: world_from_frame, shape (4, 4). Raises `UnknownNameError` for an unknown name."""
@@ -128,15 +139,20 @@ class AnimatedBody(Figure):
         """Extent of its bones in the current pose, in the model's unit."""
         return look.extent(self._model_from_bone)
 
+    def region(self) -> tuple[Array, Array]:
+        """Lowest and highest corner of the box about its first clip, in the model's unit."""
+        low, high = self.box()
+        here = self.at @ self._model_from_bone
+        path = self.at @ np.concatenate(self._moments[:2])
+        first, last = here[:, :3, 3].min(axis=0), here[:, :3, 3].max(axis=0)
+        return path[..., :3, 3].min(axis=(0, 1)) - (first - low), path[..., :3, 3].max(axis=(0, 1)) + (high - last)
+
     # Parts.
 
     def pieces(self) -> list[Piece]:
         """Its meshes in the current pose, in the world, with all influences of each vertex."""
         world_from_bone = self.at @ self._model_from_bone
-        return [
-            Piece(mesh.name, Solid(mesh.posed(world_from_bone, self._pose), mesh.skin.triangles), mesh.color)
-            for mesh in self._meshes
-        ]
+        return [piece for mesh in self._meshes for piece in mesh.pieces(world_from_bone, self._pose)]
 
     def remove(self) -> None:
         """Removes it from the scene."""
@@ -156,6 +172,21 @@ class AnimatedBody(Figure):
         return ends
 
     @property
+    def limbs(self) -> dict[str, dict[str, int]]:
+        """Rotating bones from the root to each tip, by their indices in the armature; each is in one limb."""
+        names, parents = self.armature.names, self.armature.parents.tolist()
+        limbs: dict[str, dict[str, int]] = {}
+        taken: set[int] = set()
+        for tip in self.tips:
+            bone, chain = self._bone_of_frame[tip], []
+            while bone >= 0 and bone not in taken:
+                chain.append(bone)
+                bone = parents[bone]
+            taken.update(chain)
+            limbs[tip] = {names[bone]: bone for bone in reversed(chain) if bone in self._turning}
+        return {tip: limb for tip, limb in limbs.items() if limb}
+
+    @property
     def clips(self) -> list[Clip]:
         """Clips of the file."""
         return self._clips
@@ -168,11 +199,19 @@ class Played:
         self._body, self._clip = body, clip
         self.name: str = clip.name or "clip"
         start, end = clip.span
-        self.span = (float(start), float(end))
+        self.span: tuple[float, float] = (float(start), float(end))
 
     def show(self, seconds: float) -> None:
         """Sets the pose of the clip at that time."""
         self._body.show_pose(self._clip.sample(seconds))
+
+    @property
+    def curves(self) -> Curves:
+        """Rotation of each bone from its first orientation over time, radians, by limb."""
+        times = np.linspace(self.span[0], self.span[1], MAX_SAMPLES)
+        wxyz = np.asarray(self._clip.sample(times).rotations_wxyz, dtype=float)
+        angles = 2.0 * np.arccos(np.abs(np.einsum("tbi,bi->tb", wxyz, wxyz[0])).clip(0.0, 1.0))
+        return curves_in({tip: {name: angles[:, bone] for name, bone in limb.items()} for tip, limb in self._body.limbs.items()}, times)
 
 
 def clips_of(thing: Any) -> list[Any]:

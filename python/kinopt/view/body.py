@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -14,7 +14,7 @@ import kinopt
 
 from .canvas import Canvas
 from .closing import closed
-from .holding import Holding
+from .balance import Holding
 from .look import Color, DrawnKinematics, extent
 from .solids import Solid
 
@@ -55,8 +55,10 @@ class Body(ABC):
         self.at = at
         #: Parts that are not drawn as in the file, one line each.
         self.missing: list[str] = []
+        #: Callbacks after each motion.
+        self.on_move: list[Callable[[], Any]] = []
         #: Joints, limits and frames.
-        self.model = getattr(thing, "model", thing)
+        self.model: Any = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
         neutral = self.model.neutral()
@@ -93,6 +95,11 @@ class Body(ABC):
         placements: Array = self._kinematics.place(q)
         self._q = q
         self._draw(q, self.at @ placements)
+        self._tell_moved()
+
+    def _tell_moved(self) -> None:
+        for moved in self.on_move:
+            moved()
 
     @abstractmethod
     def _draw(self, q: Array, world_from_frames: Array) -> None:
@@ -131,7 +138,7 @@ class Body(ABC):
         return False
 
     def group(self, joint: str) -> str:
-        """Group of a joint, for its sliders."""
+        """Group of a joint, for its slider and its curve."""
         return self.name
 
     def short(self, joint: str) -> str:
@@ -163,6 +170,10 @@ class Body(ABC):
         """Extent of its joints and frames in the current pose, in the model's unit."""
         return extent(self._kinematics.place(self._q))
 
+    def region(self) -> tuple[Array, Array]:
+        """Lowest and highest corner of the box that the camera views, in the model's unit."""
+        return self.box()
+
     def box(self) -> tuple[Array, Array]:
         """Lowest and highest corner of its bounding box in the current pose, in the model's unit."""
         points = [piece.solid.vertices for piece in self.pieces() if len(piece.solid.vertices)]
@@ -171,3 +182,25 @@ class Body(ABC):
             points = [placements[:, :3, 3]]
         every = np.concatenate(points)
         return every.min(axis=0), every.max(axis=0)
+
+
+def moved_by(model: Any) -> dict[str, str | None]:
+    """Joint that moves each frame of a model; None for a frame fixed in the world."""
+    joints = {joint.name: joint for joint in model.joints}
+    carriers = {}
+    for frame in model.frames:
+        joint = joints.get(frame.joint or "")
+        while joint is not None and joint.kind == "fixed":
+            joint = joints.get(joint.parent or "")
+        carriers[frame.name] = None if joint is None else joint.name
+    return carriers
+
+
+def joints_to(model: Any, frame: str) -> list[str]:
+    """Moving joints from the world to a frame."""
+    parents = {joint.name: joint.parent for joint in model.joints}
+    joint, chain = moved_by(model)[frame], []
+    while joint is not None:
+        chain.append(joint)
+        joint = parents[joint]
+    return chain

@@ -48,12 +48,12 @@ class Canvas:
     def __init__(self, host: str, port: int, up: Up, title: str | None) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
             #: viser's server, for functions that are missing here: its `scene`, its `gui`.
-            self.server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
+            self.server: viser.ViserServer = viser.ViserServer(host=host, port=port, label=title, verbose=False)
         self.up: Up = up
         #: Drawn length of 1: very large and very small models are drawn at about the size of a person.
-        self.drawn = 1.0
+        self.drawn: float = 1.0
         #: Loop that runs all work of the page, in order.
-        self.loop = Loop(self.server.atomic)
+        self.loop: Loop = Loop(self.server.atomic)
         self._things: dict[str, Removable] = {}
         self._closed = False
         stage.furnish(self.server, up)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from . import look
 from .body import Body, Clip, Piece
 from .canvas import Canvas
+from .curves import MAX_SAMPLES, Curves, curves_of
 from .figure import Figure
 from .look import Color
 from .skin import Skin, SkinOnPage, bone_skin, nearest_bones
@@ -47,7 +48,7 @@ class CharacterBody(Figure):
             self._skin = Skin(vertices, mesh.triangles, table)
         self._color = color or (look.BONE if mesh is None else look.SKIN)
         self._shown = SkinOnPage(scene, name, self._skin, self._color, opacity=opacity)
-        self.cut = self._shown.cut
+        self.cut: float = self._shown.cut
         if self.cut > 0.0:
             self.missing.append(
                 f"drawn with four influences per vertex: up to {self.cut:.0%} of a vertex's weight is omitted "
@@ -93,3 +94,9 @@ class Keyframes:
         """Sets the pose of the keyframes at that time."""
         q = np.asarray(self._clip.sample(seconds), dtype=float).reshape(-1)
         self._body.q = np.clip(q, self._body.model.lower, self._body.model.upper)
+
+    @property
+    def curves(self) -> Curves:
+        """Joints of the rig over time."""
+        times = np.linspace(*self.span, MAX_SAMPLES)
+        return curves_of(self._body, times, np.asarray(self._clip.sample(times), dtype=float))

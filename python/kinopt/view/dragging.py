@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 import kinopt
 
-from .body import Body
+from .body import Body, moved_by
+from .obstacles import Obstacles
 from .posing import Answer, Goal, Posing
 from .scene import Scene
 from .target import Target
@@ -44,12 +45,12 @@ class Dragging:
     ) -> None:
         self.scene = scene
         self.body = body
-        self.posing = Posing(body, world, margin)
+        self.posing: Posing = Posing(body, world, margin)
         #: Drawn obstacles of collision avoidance.
-        self.obstacles = None if world is None else scene.add_world(world, on=body)
+        self.obstacles: Obstacles | None = None if world is None else scene.add_world(world, on=body)
         self.posing.choose(tolerance=tolerance)
         #: True if targets have an orientation too.
-        self.turns = turns
+        self.turns: bool = turns
         self.targets: dict[str, Target] = {}
         self.pinned: set[str] = set()
         #: The last dragged frame.
@@ -57,7 +58,7 @@ class Dragging:
         #: Result of the last frame.
         self.answer: Answer | None = None
         #: Reason why the selected solver has no result; empty if it has one.
-        self.problem = ""
+        self.problem: str = ""
         #: Seconds from a mouse position to the transforms sent to the page, of the last moves.
         self.times: deque[float] = deque(maxlen=10_000)
         #: Callbacks: soon after a change; when targets are added, removed or pinned; and when one is grabbed.
@@ -133,7 +134,7 @@ class Dragging:
         for frame in frames:
             position = self.body.frame(frame)[:3, 3]
             is_near_target = any(np.linalg.norm(position - other) <= min_distance for other in positions)
-            if not is_near_target and carriers[frame] not in taken:
+            if not is_near_target and carriers[frame] not in {None, *taken}:
                 positions.append(position)
                 taken.add(carriers[frame])
                 chosen.append(frame)
@@ -187,8 +188,6 @@ class Dragging:
     def set_configuration(self, q: Array) -> None:
         """Sets the configuration of the body; pinned targets follow."""
         self.body.q = q
-        if self.obstacles is not None:
-            self.obstacles.follow()
         self.stands_elsewhere()
 
     def stands_elsewhere(self) -> None:
@@ -258,18 +257,6 @@ class Dragging:
     def call(self, work: Callable[[], Any]) -> Any:
         """Runs `work` between two frames and waits for it: for scripts that control a page."""
         return self.scene.loop.call(work)
-
-
-def moved_by(model: Any) -> dict[str, str | None]:
-    """Joint that moves each frame of a model; None for a frame fixed in the world."""
-    joints = {joint.name: joint for joint in model.joints}
-    carriers = {}
-    for frame in model.frames:
-        joint = joints.get(frame.joint or "")
-        while joint is not None and joint.kind == "fixed":
-            joint = joints.get(joint.parent or "")
-        carriers[frame.name] = None if joint is None else joint.name
-    return carriers
 
 
 def _tell(listeners: list[Callable[[], Any]]) -> None:

@@ -13,7 +13,7 @@ from kinopt import tasks
 
 from .body import Body
 from .canvas import Canvas
-from .holding import Holding
+from .balance import Holding
 
 
 Array = NDArray[np.float64]

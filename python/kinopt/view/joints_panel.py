@@ -93,7 +93,7 @@ class JointsPanel:
     def _random(self) -> None:
         thing = self._page.body.thing
         draw = thing if isinstance(thing, kinopt.Robot) else self._page.body.model
-        self._stand_at(draw.random_configuration(np.random.default_rng()))
+        self._stand_at(draw.random_configuration(seed=np.random.default_rng()))
 
     def _stand_at(self, q: NDArray[np.float64]) -> None:
         """Moves the body, unless its loops do not close there."""

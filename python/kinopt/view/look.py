@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import kinopt
 
-from .solids import Solid, capsule_between, cylinder, joined, sphere
+from .solids import Solid, along, capsule_between, cylinder, hull, joined
 
 Array = NDArray[np.float64]
 Color = tuple[int, int, int]
@@ -19,11 +19,17 @@ Color = tuple[int, int, int]
 #: Links are white, like most arms, and the hubs of their joints dark.
 LIGHT: Color = (228, 232, 237)
 DARK: Color = (84, 96, 114)
+#: Links are alternately light and grey if only their collision shapes are known.
+GREY: Color = (160, 172, 188)
 #: Skin of characters, and bones without a mesh.
 SKIN: Color = (201, 172, 148)
 BONE: Color = (104, 133, 166)
 #: Radius of a capsule, relative to the size of the model.
 RELATIVE_THICKNESS = 0.035
+#: Radius at a tip, relative to the radius at the root.
+TIP_SHARE = 0.55
+#: Ratio of length to radius from which a limb is light, and from which a frame off the limbs is drawn.
+MIN_LIGHT, MIN_MAST = 1.8, 2.5
 
 
 class DrawnKinematics:
@@ -51,7 +57,7 @@ class DrawnKinematics:
         names = model.coordinate_names
         self._order = [names.index(name) for name in drawn.coordinate_names]
         #: Indices of frames in the result of `place`, by name.
-        self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
+        self.index: dict[str, int] = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 
     def place(self, q: Array) -> Array:
         """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (nq,).
@@ -94,42 +100,82 @@ class JointBody:
 
 
 def capsules(model: Any, size: float) -> Iterator[JointBody]:
-    """Capsules from each joint to its children, and a hub about the axis of each revolute joint."""
-    radius = RELATIVE_THICKNESS * size
-    ends: dict[str | None, list[Array]] = {None: [], **{joint.name: [] for joint in model.joints}}
-    for joint in model.joints:
-        ends[joint.parent].append(joint.parent_from_joint[:3, 3])
-    for frame in model.frames:
-        if not ends[frame.joint] and frame.joint is not None:
-            ends[frame.joint].append(frame.joint_from_frame[:3, 3])
-    for owner, points in ends.items():
-        limb_ends: list[Array] = []
-        for point in points:
-            clear = all(np.linalg.norm(point - other) > 0.1 * radius for other in limb_ends)
-            if np.linalg.norm(point) > 0.2 * radius and clear:
-                limb_ends.append(point)
-        limbs = [capsule_between(np.zeros(3), point, _slim(point, radius)) for point in limb_ends]
-        if limbs:
-            yield JointBody(owner, joined(limbs), LIGHT)
+    """Capsules from each joint to its child, hulls about several children or frames, and hubs of joints.
+
+    Radii decrease towards the tips. Fixed joints are parts of their parents.
+    """
+    children, frames = _rigid_parts(model)
+    radii = _radii(children, frames, RELATIVE_THICKNESS * size)
+    for owner, joints in children.items():
+        thick = radii[owner]
+        ends = _apart([position for _, position in joints], [np.zeros(3)], 0.2 * thick)
+        end_radius = min(max([radii[joint] for joint, _ in joints], default=0.5 * thick), thick)
+        if not joints:
+            ends = _apart(frames[owner], [np.zeros(3)], 0.3 * thick)
+        solids = [_limb(end, thick, end_radius) for end in ends]
+        if len(ends) > 1:
+            solids = [hull(np.array([np.zeros(3), *ends]), np.array([thick, *[end_radius] * len(ends)]))]
+        # Sensors on a mast, or a head without a joint; frames of the world are no parts of the body.
+        mast = _apart(frames[owner] if joints and owner is not None else [], [np.zeros(3), *ends], MIN_MAST * thick)
+        if mast:
+            top = max(mast, key=lambda point: float(np.linalg.norm(point)))
+            middle = np.mean([np.zeros(3), *ends], axis=0)
+            solids += [capsule_between(middle, top, 0.6 * thick), capsule_between(top, top, 1.2 * thick)]
+        if solids:
+            length = max((float(np.linalg.norm(end)) for end in ends), default=0.0)
+            yield JointBody(owner, joined(solids), LIGHT if length > MIN_LIGHT * thick or len(ends) > 1 else DARK)
     for joint in model.joints:
         if joint.kind in ("revolute", "continuous"):
-            hub = cylinder(2.3 * radius, 1.12 * radius).moved(_along(joint.axis))
-            yield JointBody(joint.name, hub, DARK)
+            radius = radii[joint.name]
+            yield JointBody(joint.name, cylinder(2.2 * radius, 1.08 * radius).moved(along(np.asarray(joint.axis, dtype=float), np.zeros(3))), DARK)
         elif joint.kind == "prismatic":
-            yield JointBody(joint.name, sphere(0.8 * radius), DARK)
+            yield JointBody(joint.name, capsule_between(np.zeros(3), np.zeros(3), 0.8 * radii[joint.name]), DARK)
 
 
-def _slim(point: Array, radius: float) -> float:
-    """Radius of a limb: short limbs are thinner, so that fingers do not look like balls."""
-    return min(radius, max(0.4 * float(np.linalg.norm(point)), 0.3 * radius))
+Children = dict[str | None, list[tuple[str, Array]]]
+Points = dict[str | None, list[Array]]
 
 
-def _along(axis: object) -> Array:
-    """A placement with its z axis along `axis`."""
-    z = np.asarray(axis, dtype=float)
-    z /= np.linalg.norm(z)
-    x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
-    x /= np.linalg.norm(x)
-    placement = np.eye(4)
-    placement[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
-    return placement
+def _rigid_parts(model: Any) -> tuple[Children, Points]:
+    """Child joints and frames of each moving joint (None: of the world), with their positions in its frame."""
+    carriers = {None: None} | {joint.name: joint.name for joint in model.joints}
+    placements = {carrier: np.eye(4) for carrier in carriers}
+    children: Children = {None: []}
+    # Parents come before their children.
+    for joint in model.joints:
+        carrier, placement = carriers[joint.parent], placements[joint.parent] @ joint.parent_from_joint
+        if joint.kind == "fixed":
+            carriers[joint.name], placements[joint.name] = carrier, placement
+        else:
+            children[carrier].append((joint.name, placement[:3, 3]))
+            children[joint.name] = []
+    frames: Points = {carrier: [] for carrier in children}
+    for frame in model.frames:
+        frames[carriers[frame.joint]].append((placements[frame.joint] @ frame.joint_from_frame)[:3, 3])
+    return children, frames
+
+
+def _radii(children: Children, frames: Points, radius: float) -> dict[str | None, float]:
+    """Radius of the limb at each joint; None is the world's. It grows with the length of the limb beyond the joint."""
+    reach: dict[str | None, float] = {}
+    for owner in reversed(children):
+        lengths = [float(np.linalg.norm(point)) for point in frames[owner]]
+        reach[owner] = max([*lengths, *(reach[joint] + float(np.linalg.norm(p)) for joint, p in children[owner])], default=0.0)
+    longest = max([length for owner, length in reach.items() if owner is not None], default=0.0) or 1.0
+    shares = {owner: min(length / longest, 1.0) for owner, length in reach.items()}
+    return {owner: radius * (TIP_SHARE + (1.0 - TIP_SHARE) * share) for owner, share in shares.items()}
+
+
+def _apart(points: list[Array], taken: list[Array], distance: float) -> list[Array]:
+    """The points farther than `distance` from those of `taken` and from each other."""
+    chosen: list[Array] = []
+    for point in points:
+        if all(np.linalg.norm(point - other) > distance for other in [*taken, *chosen]):
+            chosen.append(point)
+    return chosen
+
+
+def _limb(end: Array, radius: float, end_radius: float) -> Solid:
+    """A capsule from a joint; short limbs are thinner, so that fingers do not look like balls."""
+    longest = max(0.4 * float(np.linalg.norm(end)), 0.3 * radius)
+    return capsule_between(np.zeros(3), end, min(radius, longest), min(end_radius, longest))

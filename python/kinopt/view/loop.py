@@ -34,7 +34,7 @@ class Loop:
         self._changed = threading.Condition()
         self._stopped = False
         self.failure: str | None = None
-        self.thread = threading.Thread(target=self._run, name="kinopt.view", daemon=True)
+        self.thread: threading.Thread = threading.Thread(target=self._run, name="kinopt.view", daemon=True)
         self.thread.start()
 
     def post(self, work: Work) -> None:

@@ -89,7 +89,7 @@ class MeshFiles:
         try:
             # Materials and buffers of the mesh are opened only below its own folder.
             with path.open("rb") as opened:
-                resolver = _below(path.parent)
+                resolver = below(path.parent)
                 loaded = trimesh.load_scene(opened, file_type=path.suffix.lower().lstrip("."), resolver=resolver)
         except Exception as error:  # noqa: BLE001 - readers of many formats raise what they like
             # The messages may quote the file, whose path comes from the robot's file.
@@ -107,7 +107,7 @@ class MeshFiles:
         return pieces
 
 
-def _below(folder: Path) -> Any:
+def below(folder: Path) -> Any:
     """Resolver that opens the files of a mesh only below a folder."""
     from trimesh.resolvers import FilePathResolver
 

@@ -1,4 +1,4 @@
-"""A subject's motion capture next to the body of the retargeted motion."""
+"""Trajectories of a body, with the subject of a retargeted motion next to it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import kinopt
 from . import stage
 from .body import Body
 from .canvas import Canvas
+from .curves import Curves, curves_of
 from .transforms import matrix_of
 
 Array = NDArray[np.float64]
@@ -25,6 +26,8 @@ MAX_SAMPLED_FRAMES = 64
 LENGTH_COST = 0.05
 #: Width of bones, pixels.
 LINE_WIDTH = 5.0
+#: Number of frames whose extent the camera views.
+PATH_SAMPLES = 12
 #: Size of joints, for a body as large as a person.
 JOINT_SIZE = 0.006
 
@@ -40,7 +43,7 @@ class Person:
         self.name = name
         #: Positions of its joints, shape (T, J, 3).
         self.positions = positions
-        self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
+        self.bones: NDArray[np.intp] = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
         first = positions[0]
         self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT_SIZE * stage.DRAWN / scene.drawn)
         self._lines: Any = scene.server.scene.add_line_segments(
@@ -62,47 +65,66 @@ class Person:
 
 
 class Movement:
-    """A retargeted motion of a body in a scene, with the subject next to it: a clip."""
+    """A trajectory of a body in a scene, with the subject of a retargeted motion next to it: a clip."""
 
-    def __init__(self, name: str, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, person: Person | None) -> None:
+    def __init__(self, name: str, movement: kinopt.Trajectory[Any], body: Body, person: Person | None) -> None:
         #: Name of the clip.
         self.name = name
+        self.movement: kinopt.Trajectory[Any] = movement
+        self.body: Body = body
+        self.person: Person | None = person
+        self._times = np.asarray(movement.times, dtype=float)
         #: Start and end time, seconds.
-        self.span = (0.0, movement.duration)
-        self.movement, self.body, self.person = movement, body, person
+        self.span: tuple[float, float] = (float(self._times[0]), float(self._times[-1]))
         self._at = body.at.copy()
-        self._base = movement.q.shape[1] - len(body.q)
-        if self._base not in (0, 7):
+        self._base = 0
+        names = body.model.coordinate_names
+        self._columns = [names.index(joint) for joint in movement.names if joint in names]
+        width = movement.q.shape[1]
+        if len(self._columns) != width:
+            # A rig has no base joint.
+            self._base, self._columns = 7, list(range(len(names)))
+        if width != self._base + len(self._columns):
             raise kinopt.InvalidValueError(
-                f"the motion has {movement.q.shape[1]} numbers for each frame, {body.name} has {len(body.q)}"
+                f"the motion has {width} numbers for each frame, {body.name} has {len(names)}"
             )
 
     def show(self, seconds: float) -> None:
         """Sets the poses of body and subject at that time."""
-        frame = min(max(round(seconds * self.movement.report.fps), 0), len(self.movement) - 1)
-        q = self.movement.q[frame]
+        frame = int(np.abs(self._times - seconds).argmin())
         if self._base:
-            # A rig has no base joint.
+            q = self.movement.q[frame]
             self.body.at = self._at @ matrix_of(q[3:7], q[:3])
-        self.body.q = q[self._base :]
+        self.body.q = self._configurations(self.movement.q[frame])
         if self.person is not None:
             self.person.show(frame)
 
+    def _configurations(self, q: Array) -> Array:
+        """Configurations of the body, shape (..., nq): joints that the trajectory lacks stay."""
+        whole = np.broadcast_to(self.body.q, (*q.shape[:-1], len(self.body.q))).copy()
+        whole[..., self._columns] = q[..., self._base :]
+        return whole
+
+    @property
+    def curves(self) -> Curves:
+        """Joints of the body over time."""
+        return curves_of(self.body, self._times, self._configurations(self.movement.q))
+
 
 def show_movement(
-    scene: Canvas, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, beside: float | None, name: str
+    scene: Canvas, movement: kinopt.Trajectory[Any], body: Body, beside: float | None, name: str
 ) -> Movement:
     """Implements `Scene.add_movement`."""
     played = Movement(name, movement, body, None)
-    played.show(0.0)
+    played.show(played.span[0])
     size = body.size()
-    if beside is not None:
+    if beside is not None and isinstance(movement.report, kinopt.RetargetReport):
         positions = upright(movement)
         # To its left: in most files it faces along x.
         positions[..., 1] += beside * size
         played.person = Person(scene, scene.clear(name), positions, movement.report.capture.bones)
         scene.place(name, played.person)
-    _look(scene, played, size)
+    _look(scene, played)
     return played
 
 
@@ -135,17 +157,16 @@ def bones_of(positions: Array) -> NDArray[np.intp]:
     return np.array(bones, dtype=np.intp).reshape(-1, 2)
 
 
-def _look(scene: Canvas, played: Movement, size: float) -> None:
+def _look(scene: Canvas, played: Movement) -> None:
     """Sets the camera to view the whole path."""
-    low, high = played.body.box()
-    # The position of a free base is first in `q`, for robots and rigs.
-    q = played.movement.q
-    base_motion = q[:, :3] - q[0, :3] if q.shape[1] > 7 else np.zeros((1, 3))
-    low, high = low + base_motion.min(axis=0), high + base_motion.max(axis=0)
+    boxes = []
+    for seconds in np.linspace(*played.span, PATH_SAMPLES):
+        played.show(seconds)
+        boxes.append(played.body.box())
+    played.show(played.span[0])
+    low, high = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
     if played.person is not None:
         positions = played.person.positions
         low = np.minimum(low, positions.min(axis=(0, 1)))
         high = np.maximum(high, positions.max(axis=(0, 1)))
-    low, high = low * scene.drawn, high * scene.drawn
-    stage.lay_ground(scene.server, scene.up, 0.0, float(np.linalg.norm(high - low)))
-    stage.look_at(scene.server, scene.up, low, high)
+    stage.show_box(scene.server, scene.up, low * scene.drawn, high * scene.drawn)

@@ -41,16 +41,19 @@ class Obstacles:
         self._revision = -1
         self._marked: frozenset[str] = frozenset()
         self.refresh()
+        if body is not None:
+            body.on_move.append(self.follow)
 
     def refresh(self) -> None:
         """Draws added, moved and attached obstacles, and removes removed ones."""
-        if self.world.revision != self._revision:
-            self._revision = self.world.revision
-            for handle in self._handles.values():
-                handle.remove()
-            self._drawn = {name: self.world[name] for name in self.world.names}
-            self._handles = {name: self._draw(obstacle) for name, obstacle in self._drawn.items()}
-            self._marked = frozenset()
+        if self.world.revision == self._revision:
+            return
+        self._revision = self.world.revision
+        for handle in self._handles.values():
+            handle.remove()
+        self._drawn = {name: self.world[name] for name in self.world.names}
+        self._handles = {name: self._draw(obstacle) for name, obstacle in self._drawn.items()}
+        self._marked = frozenset()
         self.follow()
 
     def follow(self) -> None:
@@ -79,6 +82,8 @@ class Obstacles:
 
     def remove(self) -> None:
         """Removes it from the scene."""
+        if self._body is not None:
+            self._body.on_move.remove(self.follow)
         for handle in self._handles.values():
             handle.remove()
         self._handles = {}

@@ -12,9 +12,9 @@ import numpy as np
 import kinopt
 
 from ..types import BaseJoint
+from .humanoid import humanoid
 from .look import extent
 from .page import Page
-from .robot_body import Style, has_meshes
 from .scene import Scene
 from .stage import Up
 
@@ -24,6 +24,8 @@ MAX_LIMITED_RANGE = 5.9
 MIN_DEXTERITY = 0.03
 #: Largest bend of joints away from a stretched pose, radians.
 MAX_BEND = 1.2
+#: Notes of the reader about parts of a glTF scene that a page draws.
+DRAWN_PARTS = ("images:", "materials:", "textures:", "meshes: TEXCOORD_0:")
 #: Supported file types.
 SUPPORTED = ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
 
@@ -65,7 +67,8 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
             return Opened(rig, tolerance=_below(rig.skeleton.size), notes=list(rig.notes))
         case ".glb" | ".gltf":
             scene = kinopt.Scene.read(path)
-            return Opened(scene, "+y", tolerance=_below(_extent(scene.armature)), notes=list(scene.notes))
+            notes = [note for note in scene.notes if not note.startswith(DRAWN_PARTS)]
+            return Opened(scene, "+y", tolerance=_below(_extent(scene.armature)), notes=notes)
         case ".bvh":
             capture = kinopt.MotionCapture.read(path)
             return Opened(
@@ -106,21 +109,14 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
     return max(bent, key=dexterity)
 
 
-def _style(thing: Any, capsules: bool, among_obstacles: bool) -> Style:
-    """Style of a robot: its collision shapes, if there are obstacles and its file has no meshes."""
-    if capsules:
-        return "capsules"
-    bare = isinstance(thing, kinopt.Robot) and not has_meshes(thing)
-    return "collision" if among_obstacles and bare else "auto"
-
-
 def _extent(armature: Any) -> float:
     return extent(np.asarray(armature.local_to_model(armature.rest), dtype=float))
 
 
 def _robot(robot: kinopt.Robot) -> Opened:
     # Targets of a body's hands are positions.
-    return Opened(robot, turns=not robot.model.free_joints, notes=list(robot.repairs))
+    turns = not robot.model.free_joints and humanoid(robot) is None
+    return Opened(robot, turns=turns, notes=list(robot.repairs))
 
 
 def _below(size: float) -> float:
@@ -177,13 +173,16 @@ def open_page(
     if world is not None:
         # Checks the world with the model before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)
-    scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
+    scene = Scene(host=host, port=port, up=up or opened.up, title=path.name, open=False)
     body = scene.add(
         opened.thing,
-        style=_style(opened.thing, capsules, world is not None),
-        beside=path.resolve().parent,
+        style="capsules" if capsules else "auto",
+        beside=path if isinstance(opened.thing, kinopt.Scene) else path.resolve().parent,
         packages=packages,
     )
+    found = getattr(body, "humanoid", None)
+    if found is not None and body.stands and movement is None:
+        hold = hold or found.feet
     for frame in hold:
         # Raises an error with the valid names for an unknown frame.
         body.frame(frame)

@@ -6,15 +6,16 @@ from collections.abc import Iterable
 
 import kinopt
 
+from .balance import Balance, feet as lowest
 from .body import Body, Clip
 from .dragging import Dragging
 from .joints_panel import JointsPanel
-from .save_panel import SavePanel
+from .play_bar import PlayBar
+from .saving import SavePanel
 from .scene import Scene
 from .solver_panel import SolverPanel
 from .status_panel import StatusPanel, plain
 from .targets_panel import TargetsPanel
-from .time_panel import TimePanel
 
 #: Largest number of tips with a gizmo when the page opens; others are selected from the list.
 MAX_TARGETS = 8
@@ -38,7 +39,7 @@ class Page(Dragging):
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
         #: Repairs, and parts that are not drawn, one line each.
-        self.notes = [*notes, *body.missing]
+        self.notes: list[str] = [*notes, *body.missing]
         self._hold = list(hold)
         #: Clips before the body's own clips; with any, gizmos are selected from the list.
         self._played = list(clips)
@@ -46,23 +47,38 @@ class Page(Dragging):
 
     def _furnish(self) -> None:
         """Creates the panel, and gizmos on the tips."""
-        self.status = StatusPanel(self)
-        self.targets_panel = TargetsPanel(self)
+        self.status: StatusPanel = StatusPanel(self)
+        self.targets_panel: TargetsPanel = TargetsPanel(self)
         clips = [*self._played, *self.body.clips]
-        self.time = TimePanel(self, clips) if clips else None
-        self.solver_panel = SolverPanel(self)
-        self.joints = JointsPanel(self)
-        self.saving = SavePanel(self)
+        self.play_bar: PlayBar | None = PlayBar(self.scene, clips) if clips else None
+        self.solver_panel: SolverPanel = SolverPanel(self)
+        self._show_balance()
+        self.joints: JointsPanel = JointsPanel(self)
+        self.saving: SavePanel = SavePanel(self)
         if self.notes:
             with self.scene.server.gui.add_folder("Notes", expand_by_default=False):
                 self.scene.server.gui.add_markdown("\n".join(f"- {plain(note)}" for note in self.notes))
         self.on_targets.append(self.targets_panel.show)
-        self.on_change += [self.status.show, self.joints.show]
-        if self.time is not None:
-            self.on_change.append(self.time.follow)
-            self.on_grab.append(self.time.pause)
+        self.on_change.extend((self.status.show, self.joints.show))
+        if self.play_bar is not None:
+            self.play_bar.on_show.append(self.stands_elsewhere)
+            self.on_grab.append(self.play_bar.pause)
         for frame in dict.fromkeys([*self._hold, *self.body.pinned_first]):
             self.add_target(frame, pinned=True)
         first = [] if self._played else self.apart(self.body.tips)[:MAX_TARGETS]
         for frame in first:
             self.add_target(frame)
+
+    def _show_balance(self) -> None:
+        """Shows the centre of mass over the held feet or those of a humanoid, with a checkbox."""
+        found = getattr(self.body, "humanoid", None)
+        feet = lowest(self.body.model, self._hold, self.body.q) or ([] if found is None else found.feet)
+        if not (self.body.stands and self.body.can_hold and feet):
+            return
+        #: The drawn centre of mass and support polygon.
+        self.balance: Balance = self.scene.add_balance(self.body, feet)
+        shown = self.scene.server.gui.add_checkbox("Centre of mass", True, hint="with the support polygon of the feet")
+
+        @shown.on_update
+        def _(event: object) -> None:
+            self.scene.loop.post(lambda: setattr(self.balance, "visible", bool(shown.value)))

@@ -14,7 +14,7 @@ import kinopt
 from kinopt import tasks
 
 from .body import Body
-from .holding import DRAGGED, PINNED
+from .balance import DRAGGED, PINNED
 from .closing import closed
 from .transforms import inverse
 
@@ -84,9 +84,10 @@ class Posing:
 
     def __init__(self, body: Body, world: kinopt.World | None = None, margin: float = 0.0) -> None:
         self.body = body
-        self.choices = Choices()
+        self.choices: Choices = Choices()
         #: Obstacles of collision avoidance, with the margin in metres; None disables it.
-        self.world, self.margin = world, margin
+        self.world: kinopt.World | None = world
+        self.margin: float = margin
         #: Holds of a character by dragged frame: frames that stay, bones that stay.
         self._engine: _Engine | None = None
         self._engine_key: tuple[Any, ...] = ()

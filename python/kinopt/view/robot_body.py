@@ -1,4 +1,4 @@
-"""Robots drawn by mesh files, by the simple shapes of the file, or by capsules."""
+"""Robots drawn by mesh files, by simple shapes or collision shapes of the file, or by capsules."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ import kinopt
 from kinopt import tasks
 
 from . import balance, look, solids
-from .body import Body, Piece
+from .body import Body, Piece, joints_to, moved_by
 from .canvas import Canvas
-from .holding import BALANCE, Holding
+from .balance import BALANCE, Holding
+from .humanoid import Humanoid, humanoid
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
@@ -48,8 +49,8 @@ class RobotBody(Body):
         super().__init__(scene, thing, name, at)
         confine = bool(getattr(thing, "confined", False))
         files = MeshFiles(None if beside is None else Path(beside), packages, confine)
-        if style == "auto" and _says_how_links_lie(thing):
-            style = "capsules"
+        if style == "auto" and not has_meshes(thing):
+            style = "collision"
         match style:
             case "capsules":
                 self._pieces: list[Piece] = []
@@ -59,8 +60,14 @@ class RobotBody(Body):
                 self._pieces = list(self._of_shapes(files, color))
         if not self._pieces:
             self._pieces = self._of_capsules(color)
-        #: Meshes that could not be drawn, one line each; capsules replace them.
-        self.missing = files.missing
+        #: Frames of a humanoid body, by the names of the robot's frames.
+        self.humanoid: Humanoid | None = humanoid(thing) if isinstance(thing, kinopt.Robot) else None
+        #: Tip of the limb of each joint.
+        bases = tuple(f"{base}/" for base in self.model.free_joints)
+        chains = {tip: joints_to(self.model, tip) for tip in reversed(self.tips)}
+        self._limbs = {joint: tip for tip, chain in chains.items() for joint in chain if not joint.startswith(bases)}
+        #: Meshes that could not be drawn, one line each; other shapes replace them.
+        self.missing: list[str] = files.missing
         self._of_frames = np.array([self._index[piece.name] for piece in self._pieces], dtype=int)
         self._handles = [
             scene.server.scene.add_mesh_simple(
@@ -77,6 +84,15 @@ class RobotBody(Body):
 
     def _draw(self, q: Array, world_from_frames: Array) -> None:
         self._parts.send(world_from_frames[self._of_frames])
+
+    @property
+    def tips(self) -> list[str]:
+        """Feet, hands, pelvis and head of a humanoid; the ends of other robots."""
+        return super().tips if self.humanoid is None else self.humanoid.frames
+
+    def group(self, joint: str) -> str:
+        """Tip of the limb of a joint; joints of a free base are in a group of their own."""
+        return self._limbs.get(joint, "base")
 
     @property
     def stands(self) -> bool:
@@ -118,12 +134,18 @@ class RobotBody(Body):
             return
         piece_count = 0
         bare: set[str | None] = set()
-        joint_of = {frame.name: frame.joint for frame in self.model.frames}
+        joint_of = moved_by(self.model)
         for link in self.thing.frame_names:
             for shape in self.thing.shapes(link):
                 parts = _solids(shape, files)
                 if parts is None:
-                    bare.add(joint_of[link])
+                    simple = [other for other in self.thing.shapes(link, collision=True) if other.kind != "mesh"]
+                    if not simple:
+                        bare.add(joint_of[link])
+                    for other in simple:
+                        piece_count += 1
+                        ((solid, _),) = _solids(other, files) or []
+                        yield Piece(link, solid.moved(other.link_from_shape), color or look.LIGHT)
                     continue
                 for solid, file_color in parts:
                     piece_count += 1
@@ -137,12 +159,14 @@ class RobotBody(Body):
             return
         model = self.thing.collision_model(leave_out_missing=True)
         carried = [shape for shape in model.shapes if shape.attached is not None]
-        joint_of = {frame.name: frame.joint for frame in self.model.frames}
-        shades = {joint: (look.LIGHT, look.DARK)[k % 2] for k, joint in enumerate(dict.fromkeys(joint_of.values()))}
+        carriers = moved_by(self.model)
+        depths: dict[str | None, int] = {None: 0}
+        for joint in self.model.joints:
+            depths[joint.name] = depths[joint.parent] + (joint.kind != "fixed")
         for shape in carried:
             link = str(shape.attached)
             solid = solid_of(shape, 1.0).moved(shape.placement)
-            yield Piece(link, solid, color or shades[joint_of[link]])
+            yield Piece(link, solid, color or (look.LIGHT, look.GREY)[depths[carriers[link]] % 2])
 
     def _of_capsules(self, color: Color | None, only: set[str | None] | None = None) -> list[Piece]:
         """Capsules for the children of each joint, or of `only` those joints, each named after its frame."""
@@ -152,16 +176,10 @@ class RobotBody(Body):
         return [Piece(named[body.joint], body.solid, color or body.color) for body in drawn]
 
 
-def has_meshes(robot: Any) -> bool:
-    """True if a robot's file has meshes of links."""
-    return any(shape.kind == "mesh" for link in robot.frame_names for shape in robot.shapes(link))
-
-
-def _says_how_links_lie(robot: Any) -> bool:
-    """True if a robot's file has only cylinders, from joint to joint: capsules then look better."""
-    if not isinstance(robot, kinopt.Robot):
-        return True
-    return all(shape.kind == "cylinder" for link in robot.frame_names for shape in robot.shapes(link))
+def has_meshes(thing: Any) -> bool:
+    """True for a robot whose file has meshes of links."""
+    links = thing.frame_names if isinstance(thing, kinopt.Robot) else []
+    return any(shape.kind == "mesh" for link in links for shape in thing.shapes(link))
 
 
 def _solids(shape: Any, files: MeshFiles) -> list[tuple[Solid, Color | None]] | None:

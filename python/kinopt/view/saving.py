@@ -1,4 +1,4 @@
-"""Saved poses: JSON for programs, OBJ and GLB for mesh viewers."""
+"""Saved poses: JSON for programs, OBJ and GLB for mesh viewers, HTML for browsers; and their buttons."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from .transforms import wxyz_of
 
 if TYPE_CHECKING:
     from .body import Body
+    from .dragging import Dragging
 
 #: Formats of a saved pose.
-FORMATS = ("json", "obj", "glb")
+FORMATS = ("json", "obj", "glb", "html")
 
 
 def pose_json(body: Body) -> str:
@@ -76,4 +77,22 @@ def saved(body: Body, kind: str) -> bytes:
     """The pose in one of `FORMATS`."""
     if kind == "glb":
         return pose_glb(body)
+    if kind == "html":
+        return body.scene.snapshot().encode()
     return (pose_json(body) if kind == "json" else pose_obj(body)).encode()
+
+
+class SavePanel:
+    """Buttons that save the pose to a download of the browser."""
+
+    def __init__(self, page: Dragging) -> None:
+        gui = page.scene.server.gui
+        with gui.add_folder("Save the pose"):
+            self._kind = gui.add_button_group("", tuple(kind.upper() for kind in FORMATS))
+
+        @self._kind.on_click
+        def _(event: Any) -> None:
+            kind = str(self._kind.value).lower()
+            data = page.call(lambda: saved(page.body, kind))
+            to = event.client or page.scene.server
+            to.send_file_download(f"{page.body.name}.{kind}", data, save_immediately=True)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping
+import sys
+import webbrowser
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -14,12 +16,15 @@ import kinopt
 
 from . import stage
 from .animated import AnimatedBody
+from .balance import Balance, has_masses
 from .body import Body, Clip
 from .canvas import Canvas
 from .character import CharacterBody
 from .look import Color, extent, extent_of
 from .movement import Movement, show_movement
 from .obstacles import Obstacles
+from .play_bar import PlayBar, Together
+from .recording import recorded
 from .robot_body import RobotBody, Style
 from .stage import Up
 from .target import Target
@@ -56,13 +61,24 @@ class Scene(Canvas):
         port: int = 8080,
         up: Up = "+z",
         title: str | None = None,
+        open: bool = True,
     ) -> None:
-        """Opens a page at `url`, on the first free port from `port`; `up` is the upward axis, "+z" or "+y".
+        """Serves a page at `url`, on the first free port from `port`; `up` is the upward axis, "+z" or "+y".
 
-        Only this machine can access it unless `host` is "0.0.0.0".
+        Prints the address and opens a browser; without `open`, and in a notebook, it does neither. Only this machine
+        can access the page unless `host` is "0.0.0.0".
         """
         super().__init__(host, port, up, title)
         self._empty = True
+        self._bar: PlayBar | None = None
+        if open and "ipykernel" not in sys.modules:
+            self.announce()
+
+    def announce(self, browser: bool = True) -> None:
+        """Prints the address of the page, and opens it in a browser."""
+        print(f"{self.url}  (Ctrl-C to stop)", flush=True)
+        if browser:
+            webbrowser.open(self.url)
 
     def add(
         self,
@@ -80,9 +96,9 @@ class Scene(Canvas):
 
         `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. `style="file"` draws a robot with the
         shapes of its file. Its meshes are searched in the folder `beside` (and above it), in `packages` (folders by
-        package, or folders that contain packages) and in `ROS_PACKAGE_PATH`. Capsules replace missing meshes.
-        "capsules" draws capsules only; "collision" draws the collision shapes; "auto" is "capsules" for files with
-        cylinders only. `color` is red, green, blue up to 255, `opacity` from 0 to 1. An object replaces another one of
+        package, or folders that contain packages) and in `ROS_PACKAGE_PATH`. Collision shapes replace missing meshes,
+        or capsules if there are none. "collision" draws the collision shapes, "capsules" capsules only; "auto" is
+        "collision" for files without meshes. For a glTF scene, `beside` is its file, whose textures are drawn. `color` is red, green, blue up to 255, `opacity` from 0 to 1. An object replaces another one of
         an equal given `name`. Raises `InvalidValueError` for other objects and for an invalid `at`.
         """
         at = np.eye(4) if at is None else placement_of(at, "at")
@@ -94,7 +110,8 @@ class Scene(Canvas):
         self._measure(thing)
         body: Body
         if hasattr(thing, "armature"):
-            body = AnimatedBody(self, thing, name, at, color=color, opacity=opacity)
+            file = None if beside is None else Path(beside)
+            body = AnimatedBody(self, thing, name, at, color=color, opacity=opacity, file=file)
         elif isinstance(thing, (kinopt.Rig, kinopt.Skeleton)):
             body = CharacterBody(self, thing, name, at, color=color, opacity=opacity)
         else:
@@ -129,27 +146,61 @@ class Scene(Canvas):
         self.place(name, shown)
         return shown
 
-    def add_movement(
-        self, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, *, beside: float | None = 0.9, name: str = "movement"
-    ) -> Movement:
-        """Adds a retargeted motion of a body: a clip, whose `show(seconds)` moves it and which `play` plays.
+    def add_balance(self, body: Body, feet: Sequence[str] = (), name: str = "balance") -> Balance:
+        """Shows a robot's centre of mass and the support polygon of its `feet`, by default those of a humanoid.
 
-        The subject is drawn next to it, at a distance of `beside` times its size and with legs as long as the body's.
-        None omits it. The camera views the whole path. Raises `InvalidValueError` for a motion of another body.
+        Feet on the ground carry the body. Raises `InvalidValueError` for a body without masses or feet, and
+        `UnknownNameError` for an unknown frame.
+        """
+        found = getattr(body, "humanoid", None)
+        feet = list(feet) or ([] if found is None else found.feet)
+        if not feet or not has_masses(body.thing, body.q):
+            missing = "masses" if feet else "known feet"
+            raise kinopt.InvalidValueError(f"{body.name}: a body without {missing} has no support polygon")
+        shown = Balance(body, feet, self.clear(name))
+        self.place(shown.name, shown)
+        return shown
+
+    def add_movement(
+        self, movement: kinopt.Trajectory[Any], body: Body, *, beside: float | None = 0.9, name: str = "movement"
+    ) -> Movement:
+        """Adds a trajectory of a body or of some of its joints: a clip, which `play` plays.
+
+        The subject of a retargeted motion is drawn next to the body, at a distance of `beside` times its size and with
+        legs as long as the body's. None omits it. The camera views the whole path. Raises `InvalidValueError` for a
+        trajectory of another body.
         """
         return show_movement(self, movement, body, beside, name)
 
-    def play(self, clip: Clip, speed: float = 1.0) -> None:
-        """Plays a clip in a loop, at `speed` times its speed, while the page is served."""
-        start, end = clip.span
-        begun: list[float] = []
+    def play(self, *clips: Clip, speed: float = 1.0) -> PlayBar:
+        """Plays clips together in a loop, at `speed` times their speed, with a bar to pause, scrub and record.
 
-        def tick(now: float) -> bool:
-            begun.append(now) if not begun else None
-            clip.show(start + (now - begun[0]) * speed % max(end - start, 1e-9))
-            return True
+        Another call replaces the bar. Raises `InvalidValueError` without a clip and for a speed that is not positive.
+        """
+        if not clips or not 0.0 < speed < np.inf:
+            raise kinopt.InvalidValueError(f"play expects a clip and a positive speed, not {len(clips)} clips at {speed}")
 
-        self.every_frame(tick)
+        def begin() -> PlayBar:
+            if self._bar is not None:
+                self._bar.remove()
+            self._bar = PlayBar(self, clips if len(clips) == 1 else [Together(clips)], speed)
+            self._bar.play()
+            return self._bar
+
+        bar: PlayBar = self.loop.call(begin)
+        return bar
+
+    def record(self, path: str | Path, clip: Clip, *, speed: float = 1.0, size: tuple[int, int] = (960, 540)) -> None:
+        """Writes a clip as a page without a server (.html) or as a video (.gif, .mp4) of `size` pixels.
+
+        A browser that shows the page renders videos. Raises `InvalidValueError` for another extension and for a video
+        without a browser, `FileError` if the file cannot be written, `ImportError` for .mp4 without imageio-ffmpeg.
+        """
+        data = recorded(self, clip, Path(path).suffix.lower().lstrip("."), speed=speed, size=size)
+        try:
+            Path(path).write_bytes(data)
+        except OSError as error:
+            raise kinopt.FileError(f"{path}: cannot be written: {error}") from None
 
     def _measure(self, thing: Any) -> None:
         """Sets the drawing scale from the first object."""
@@ -157,7 +208,7 @@ class Scene(Canvas):
             return
         if hasattr(thing, "armature"):
             placements = np.asarray(thing.armature.local_to_model(thing.armature.rest), dtype=float)
-            self.drawn = stage.drawn_scale(extent(placements))
+            self.drawn: float = stage.drawn_scale(extent(placements))
             return
         self.drawn = stage.drawn_scale(extent_of(getattr(thing, "model", thing)))
 
@@ -175,17 +226,12 @@ class Scene(Canvas):
 
     def frame_all(self) -> None:
         """Draws the ground below all bodies and sets the camera to view all of them."""
-        boxes = [body.box() for body in self.bodies]
+        boxes = [body.region() for body in self.bodies]
         if not boxes:
             return
         low = np.min([low for low, _ in boxes], axis=0) * self.drawn
         high = np.max([high for _, high in boxes], axis=0) * self.drawn
-        size = float(np.linalg.norm(high - low))
-        axis = 2 if self.up == "+z" else 1
-        # The ground stays near the origin, but is below a model that hangs deeper.
-        ground = 0.0 if abs(low[axis]) < 0.05 * size else float(low[axis])
-        stage.lay_ground(self.server, self.up, ground, size)
-        stage.look_at(self.server, self.up, low, high)
+        stage.show_box(self.server, self.up, low, high)
 
     def target(
         self, name: str, placement: object, *, size: float | None = None, turns: bool = True

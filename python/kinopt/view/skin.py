@@ -13,7 +13,7 @@ import kinopt
 from .canvas import Canvas
 from .look import Color
 from .parts import Parts
-from .solids import Solid, Triangles, capsule_between, joined, sphere
+from .solids import Solid, Triangles, capsule_between, joined
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,8 @@ class SkinOnPage:
     """A skin on the page. `move` sets the transforms of its bones."""
 
     def __init__(self, scene: Canvas, name: str, skin: Skin, color: Color, **looks: Any) -> None:
-        weights, self.cut = fewer_influences(skin.weights)
+        weights, cut = fewer_influences(skin.weights)
+        self.cut: float = cut
         self._used = np.nonzero(weights.any(axis=0))[0]
         count = len(self._used)
         self._handle = scene.server.scene.add_mesh_skinned(
@@ -100,7 +101,7 @@ def bone_skin(skeleton: Any) -> Skin:
             if clear and np.linalg.norm(end - bone.rest_tail) > 0.1 * thick:
                 limb_ends.append(end)
         parts = [_limb(bone.rest_tail, end, thick) for end in limb_ends]
-        parts.append(_ball(bone.rest_tail, 1.25 * thick if limb_ends else 0.8 * thick))
+        parts.append(capsule_between(bone.rest_tail, bone.rest_tail, (1.25 if limb_ends else 0.8) * thick))
         solid = joined(parts)
         solids.append(solid)
         owners += [i] * len(solid.vertices)
@@ -113,12 +114,6 @@ def bone_skin(skeleton: Any) -> Skin:
 def _limb(start: Array, end: Array, thick: float) -> Solid:
     length = float(np.linalg.norm(end - start))
     return capsule_between(start, end, min(thick, MAX_THICKNESS_RATIO * length))
-
-
-def _ball(position: Array, radius: float) -> Solid:
-    placement = np.eye(4)
-    placement[:3, 3] = position
-    return sphere(radius).moved(placement)
 
 
 def nearest_bones(skeleton: Any, vertices: Array) -> Array:

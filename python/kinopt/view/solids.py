@@ -1,4 +1,4 @@
-"""Meshes of simple solids: boxes, cylinders, spheres, capsules; sharp edges have separate vertices."""
+"""Meshes of simple solids: boxes, cylinders, spheres, capsules, hulls; sharp edges have separate vertices."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+import kinopt
 
 Array = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
@@ -66,13 +68,30 @@ def _revolved(outline: Array, around: int = POINTS_AROUND) -> Solid:
     return Solid(vertices, np.concatenate(triangles).astype(np.uint32))
 
 
-def capsule(length: float, radius: float) -> Solid:
-    """A cylinder along z, `length` long, with half a sphere at either end; its middle is the origin."""
-    angles = np.linspace(-np.pi / 2, np.pi / 2, HALF_CIRCLE_POINTS)
-    outline = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    outline[:, 1] += np.where(angles < 0.0, -length / 2, length / 2)
+def capsule(length: float, radius: float, end_radius: float | None = None) -> Solid:
+    """Convex hull of two spheres with a distance of `length` along z; its middle is the origin.
+
+    `end_radius` is the radius at the upper end, `radius` by default.
+    """
+    end_radius = radius if end_radius is None else end_radius
+    # The common tangent touches both spheres at this latitude.
+    tangent = np.arcsin(np.clip((radius - end_radius) / max(length, 1e-12), -1.0, 1.0))
+    lower = np.linspace(-np.pi / 2, tangent, HALF_CIRCLE_POINTS // 2)
+    upper = np.linspace(tangent, np.pi / 2, HALF_CIRCLE_POINTS // 2)
+    bottom = radius * np.stack([np.cos(lower), np.sin(lower)], axis=1) - [0.0, length / 2]
+    top = end_radius * np.stack([np.cos(upper), np.sin(upper)], axis=1) + [0.0, length / 2]
+    outline = np.concatenate([bottom, top])
     outline[[0, -1], 0] = 0.0
     return _revolved(outline)
+
+
+def hull(centres: Array, radii: Array) -> Solid:
+    """Convex hull of spheres, given by their centres, (N, 3), and radii, (N,)."""
+    ball = sphere(1.0).vertices[::7]
+    world = kinopt.World()
+    world.add_convex("hull", (centres[:, None] + radii[:, None, None] * ball).reshape(-1, 3))
+    measures = world["hull"].measures
+    return creased(Solid(measures["points"], measures["triangles"]))
 
 
 def sphere(radius: float) -> Solid:
@@ -108,23 +127,21 @@ def box(size: object) -> Solid:
     return Solid(np.array(vertices) * halves, np.array(triangles, dtype=np.uint32))
 
 
-def capsule_between(start: Array, end: Array, radius: float) -> Solid:
-    """A capsule from one point to another."""
-    axis = end - start
-    length = float(np.linalg.norm(axis))
+def capsule_between(start: Array, end: Array, radius: float, end_radius: float | None = None) -> Solid:
+    """A capsule from one point to another, with `end_radius` at the other one."""
+    length = float(np.linalg.norm(end - start))
     if length < 1e-12:
-        return sphere(radius).moved(_at(np.eye(3), start))
-    z = axis / length
+        return sphere(radius).moved(along(np.eye(3)[2], start))
+    return capsule(length, radius, end_radius).moved(along(end - start, (start + end) / 2))
+
+
+def along(axis: Array, position: Array) -> Array:
+    """A placement at a position, with its z axis along `axis`."""
+    z = axis / np.linalg.norm(axis)
     x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
     x /= np.linalg.norm(x)
-    turned = np.stack([x, np.cross(z, x), z], axis=1)
-    return capsule(length, radius).moved(_at(turned, (start + end) / 2))
-
-
-def _at(rotation: Array, position: Array) -> Array:
     placement = np.eye(4)
-    placement[:3, :3] = rotation
-    placement[:3, 3] = position
+    placement[:3, :] = np.stack([x, np.cross(z, x), z, position], axis=1)
     return placement
 
 

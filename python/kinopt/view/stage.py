@@ -21,6 +21,8 @@ USUAL_SIZES = (0.4, 4.0)
 LOOK_FROM = np.array([1.0, -0.72, 0.36])
 #: Vertical field of view of the camera, radians.
 FIELD_OF_VIEW = 0.6
+#: Width of the picture for 1 of its height, next to the panel, and distance of the camera for 1 that just fits.
+ASPECT, MARGIN = 1.15, 1.1
 
 
 def drawn_scale(size: float) -> float:
@@ -63,17 +65,26 @@ def lay_ground(server: viser.ViserServer, up: Up, height: float, size: float) ->
     )
 
 
-def look_at(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
-    """Moves the camera so that the box from `low` to `high`, as drawn, fills the page."""
+def show_box(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
+    """Moves camera and ground so that the box from `low` to `high`, as drawn, is on it and fills the page."""
+    axis = 2 if up == "+z" else 1
+    size = float(np.linalg.norm(high - low))
+    # The ground stays near the origin, but is below a model that hangs deeper.
+    lay_ground(server, up, 0.0 if abs(low[axis]) < 0.05 * size else float(low[axis]), size)
     middle = (low + high) / 2
-    radius = max(float(np.linalg.norm(high - low)) / 2, 1e-3)
     direction = LOOK_FROM / np.linalg.norm(LOOK_FROM)
+    upward = np.eye(3)[axis]
     if up == "+y":
         # A glTF character faces +z.
         direction = np.array([-direction[1], direction[2], direction[0]])
-    eye = middle + direction * radius / np.sin(FIELD_OF_VIEW / 2) * 1.12
+    right = np.cross(upward, direction)
+    right /= np.linalg.norm(right)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * (high - low) + low - middle
+    wide = np.maximum(np.abs(corners @ right) / ASPECT, np.abs(corners @ np.cross(direction, right)))
+    distance = float((wide / np.tan(FIELD_OF_VIEW / 2) + corners @ direction).max())
+    eye = middle + direction * max(MARGIN * distance, 1e-3)
     camera = server.initial_camera
-    camera.up = (0.0, 0.0, 1.0) if up == "+z" else (0.0, 1.0, 0.0)
+    camera.up = tuple(upward)
     camera.position = tuple(eye)
     camera.look_at = tuple(middle)
     camera.fov = FIELD_OF_VIEW

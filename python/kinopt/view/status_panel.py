@@ -19,13 +19,17 @@ COLORS = {
 }
 
 
+#: Height of the text: the controls below do not move during a drag.
+HEIGHT = "7.5em"
+
+
 class StatusPanel:
     """The text at the top of the panel, and a red line from each missed frame to its target."""
 
     def __init__(self, page: Dragging) -> None:
         self._page = page
         #: The text without formatting.
-        self.text = ""
+        self.text: str = ""
         self._shown = page.scene.server.gui.add_html("")
         self._lines: Any = None
         #: Labels of the distances at missed targets, by frame.
@@ -102,7 +106,8 @@ def _html(head: str, body: str, foot: str) -> str:
     if foot:
         parts.append(f'<div style="margin-top:4px;color:#8a94a0;font-size:0.85em">{escape(foot)}</div>')
     style = (
-        f"border-left:4px solid {COLORS[head]};padding:2px 10px;margin:8px;line-height:1.35;font-size:0.9em"
+        f"border-left:4px solid {COLORS[head]};padding:2px 10px;margin:8px;line-height:1.35;font-size:0.9em;"
+        f"height:{HEIGHT};overflow-y:auto"
     )
     return f'<div class="kinopt-status" style="{style}">{"".join(parts)}</div>'
 

@@ -41,9 +41,9 @@ class Target:
         self._now = self._from = self._to = placement.copy()
         self._began = -np.inf
         #: True while the mouse holds it.
-        self.held = False
+        self.held: bool = False
         #: Time when the current pose was received or interpolated, `time.perf_counter()`.
-        self.asked = 0.0
+        self.asked: float = 0.0
         position, wxyz = self._shown(placement)
         self._gizmo = scene.server.scene.add_transform_controls(
             f"/{name}",

@@ -57,23 +57,11 @@ def matrix_of(wxyz: Array, position: Array) -> Array:
 
 
 def placement_of(value: object, name: str = "placement") -> Array:
-    """A 4 x 4 array from a placement: an array, or an object with `homogeneous`, `as_matrix()` or `A`.
+    """A 4 x 4 array from a placement in any form of `kinopt.types.PlacementLike`.
 
-    Three numbers are a position. Raises `InvalidValueError` for other values, and for numbers that are not finite.
+    Raises `InvalidValueError` for other values, and for numbers that are not finite.
     """
-    if not any(hasattr(value, attribute) for attribute in ("homogeneous", "as_matrix", "A")):
-        try:
-            three = np.asarray(value, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise kinopt.InvalidValueError(f"{name} holds no numbers: {error}") from None
-        if three.ndim == 1:
-            moved = np.eye(4)
-            moved[:3, 3] = tasks.numbers(three, name, 3)
-            return _finite(moved, name)
-    return _finite(np.array(tasks.placement(cast(Any, value), name)), name)
-
-
-def _finite(placement: Array, name: str) -> Array:
+    placement = np.array(tasks.placement(cast(Any, value), name))
     if not np.isfinite(placement).all():
         raise kinopt.InvalidValueError(f"{name} holds numbers that are not finite")
     return placement
@@ -103,3 +91,26 @@ def between(first: Array, second: Array, share: float) -> Array:
         turned = np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b
     position = (1.0 - share) * first[:3, 3] + share * second[:3, 3]
     return matrix_of(turned, position)
+
+
+def hull_2d(points: Array, inner: Array, tolerance: float = 0.0) -> tuple[list[int], bool]:
+    """Indices of the convex hull of points, shape (N, 2), counter-clockwise; true if `inner` is in it.
+
+    A point that is at most `tolerance` outside an edge counts as inside.
+    """
+
+    def turn(a: Array, b: Array, c: Array) -> float:
+        return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+    order = np.lexsort((points[:, 1], points[:, 0])).tolist()
+    hull: list[int] = []
+    for half in (order, order[::-1]):
+        start = len(hull)
+        for i in half:
+            while len(hull) > start + 1 and turn(points[hull[-2]], points[hull[-1]], points[i]) <= 0.0:
+                hull.pop()
+            hull.append(i)
+        del hull[-1:]
+    edges = [(points[a], points[b]) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
+    inside = all(turn(a, b, inner) >= -tolerance * float(np.linalg.norm(b - a)) for a, b in edges)
+    return hull, len(hull) > 2 and inside

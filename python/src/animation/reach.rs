@@ -5,9 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use kinopt::animation::{EulerPoseMap as Angles, ReachLayer as Reach};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 
 use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
 use crate::arrays::{self, Queries};
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::skeleton::Skeleton;
@@ -33,6 +35,7 @@ const POSES_AT_A_TIME: usize = 256;
 pub(crate) struct ReachLayer {
     inner: Mutex<Reach>,
     skeleton: Arc<kinopt::Skeleton>,
+    coordinates: PyOnceLock<Py<Coordinates>>,
 }
 
 impl ReachLayer {
@@ -65,6 +68,7 @@ impl ReachLayer {
         Ok(Self {
             inner: Mutex::new(layer.or_raise()?),
             skeleton,
+            coordinates: PyOnceLock::new(),
         })
     }
 
@@ -114,7 +118,10 @@ impl ReachLayer {
         });
         let solution = solved.or_raise()?;
         pose.with(|current| current.copy_from(&locals));
-        Ok(solution.map(Solution::from))
+        let coordinates = self.coordinates.get_or_try_init(py, || {
+            Py::new(py, Coordinates::of_model(self.skeleton.model()))
+        })?;
+        Ok(solution.map(|solution| Solution::new(solution, coordinates.clone_ref(py))))
     }
 
     fn __repr__(&self) -> String {

@@ -7,6 +7,7 @@ use kinopt::kinematics::Jacobian;
 use kinopt_bindings::option::arm::{apply, options as arm_options};
 use kinopt_bindings::option::check_name;
 use kinopt_bindings::option::servo::ServoOptions;
+use kinopt_bindings::per_joint::{self, per_joint};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,13 +17,17 @@ use super::derivative::{self, ArmDerivative};
 use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
+use crate::configuration;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
-use crate::goal::PoseBounds;
+use crate::goal::pose_bounds;
 use crate::joint_path::JointPath;
 use crate::kinematics::jacobians;
-use crate::model::Model;
-use crate::object::Options;
-use crate::placement::{placement, placements, to_array, to_arrays};
+use crate::model::{Model, random_configurations};
+use crate::object::{Object, Options};
+use crate::placement::{
+    placement, target as target_of, targets as targets_of, to_array, to_arrays,
+};
 use crate::pool::Pool;
 use crate::robot::Robot;
 use crate::signals::interruptible;
@@ -34,8 +39,9 @@ use crate::world::World;
 /// An arm that solves pose queries: joint values from base, tip and target.
 ///
 /// It is immutable and thread-safe. In all its methods a configuration has one number for each free joint between base
-/// and tip, in that order (`joint_names`), radians or metres. Targets are base_from_tool: 4 x 4 arrays, metres (or
-/// objects with `homogeneous`, `as_matrix()` or `A`).
+/// and tip, in that order (`joint_names`), radians or metres. It is an array, or a dict by joint name whose missing
+/// joints are at `default_start`. Targets are base_from_tool, placements in any form of `kinopt.types.PlacementLike`. A
+/// position alone requires `goal="position"`.
 ///
 /// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options, each
 /// None for its default:
@@ -55,6 +61,9 @@ pub(crate) struct Arm {
     #[pyo3(get)]
     tip: String,
     options: Py<PyDict>,
+    /// Names, limits and units of the numbers of a configuration.
+    #[pyo3(get)]
+    pub(crate) coordinates: Py<Coordinates>,
     /// Arm of the last search for distinct solutions, kept for repeated queries.
     distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
     /// Compiled at the first query.
@@ -78,6 +87,7 @@ impl Arm {
             base: self.base.clone(),
             tip: self.tip.clone(),
             options: options.unbind(),
+            coordinates: self.coordinates.clone_ref(py),
             distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
@@ -96,14 +106,32 @@ impl Arm {
         Ok(arm)
     }
 
+    /// A solution of the arm.
+    pub(super) fn solution(&self, py: Python<'_>, inner: kinopt::Solution) -> Solution {
+        Solution::new(inner, self.coordinates.clone_ref(py))
+    }
+
     /// Returns the given start, or the default one.
     fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
-                Ok(arrays::vector_of(start, "start", self.inner.joint_count())?.to_vec())
+                let start = self.by_position(start, "start")?;
+                Ok(arrays::vector_of(&start, "start", self.inner.joint_count())?.to_vec())
             }
             None => Ok(self.inner.default_start().to_vec()),
         }
+    }
+
+    /// Returns a configuration by joint name as an array; other values as they are.
+    pub(crate) fn by_position<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        what: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        configuration::by_position(q, |q| {
+            let names: Vec<String> = self.inner.joints().map(str::to_owned).collect();
+            per_joint::configuration(q, what, &names, self.inner.default_start())
+        })
     }
 }
 
@@ -112,11 +140,11 @@ impl Arm {
     #[new]
     #[pyo3(
         signature = (robot, base, tip, **options),
-        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, collision_model=None, \
-            global_search_on_miss=None, goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
-            locked=None, margin=None, max_move=None, metres_per_radian=None, only=None, \
-            orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
-            seed=None, srdf=None, time_limit=None, tool=None, world=None)"
+        text_signature = "(robot, base, tip, *, goal=None, tool=None, joint_limits=None, world=None, margin=None, \
+            collision_model=None, posture=None, position_tolerance=None, orientation_tolerance=None, search=None, max_move=None, \
+            joint_weights=None, locked=None, only=None, held=None, srdf=None, attempts=None, \
+            iterations=None, time_limit=None, seed=None, global_search_on_miss=None, \
+            limit_avoidance=None, metres_per_radian=None, atlas=None)"
     )]
     fn new(
         robot: &Bound<'_, PyAny>,
@@ -155,7 +183,7 @@ impl Arm {
             let name: String = name.extract()?;
             check_name("option of an arm", &name, &arm_options()).or_raise()?;
         }
-        let builder = apply(builder, &Options(&options), &model.neutral())?;
+        let builder = apply(builder, &Options(&options), model)?;
         let inner = py.detach(|| builder.build()).or_raise()?;
         let inner = match options.get_item("srdf")?.filter(|srdf| !srdf.is_none()) {
             Some(srdf) => with_srdf(inner, &srdf)?,
@@ -170,12 +198,14 @@ impl Arm {
             }
             None => inner,
         };
+        let coordinates = Py::new(py, Coordinates::of_arm(&inner, model))?;
         Ok(Self {
             inner: Arc::new(inner),
             robot: robot.clone().unbind(),
             base,
             tip,
             options: options.unbind(),
+            coordinates,
             distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
@@ -233,6 +263,23 @@ impl Arm {
         arrays::frozen(py, self.inner.default_start().iter().copied())
     }
 
+    /// Configurations sampled uniformly within the limits, shape (n, dof), or (dof,) for `n` None, radians or metres.
+    ///
+    /// Equal seeds give equal configurations. They may be in collision. `seed` is a whole number or a
+    /// `numpy.random.Generator`. Raises `InvalidValueError` for a seed or an `n` that is not a whole number of at least
+    /// 0.
+    #[pyo3(signature = (n = None, *, seed = None))]
+    fn random_configuration<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
+        seed: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        random_configurations(py, seed, n, self.inner.joint_count(), |seed| {
+            self.inner.random_configuration(seed)
+        })
+    }
+
     /// The arm with another world, copied at this moment, or another margin (metres; None keeps it). Takes tens of
     /// microseconds, because the seed atlas is shared.
     ///
@@ -261,7 +308,8 @@ impl Arm {
     /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for another shape and
     /// for numbers that are not finite.
     fn collisions(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
-        let q = arrays::vector_of(q, "q", self.inner.joint_count())?;
+        let q = self.by_position(q, "q")?;
+        let q = arrays::vector_of(&q, "q", self.inner.joint_count())?;
         let pairs = self.inner.collisions(&q).or_raise()?;
         Ok(pairs.into_iter().map(Collision::from).collect())
     }
@@ -295,11 +343,11 @@ impl Arm {
                 self.jacobian.get_or_init(|| Pool::new(jacobian))
             }
         };
-        jacobians(q, pool, 1)
+        jacobians(&self.by_position(q, "q")?, pool, 1)
     }
 
-    /// Derivative of the solution `q` (shape (dof,)) with respect to its target (4 x 4, metres). The `by_target` of the
-    /// `ArmDerivative` has shape (dof, 6), or (N, dof, 6) for (N, dof) and (N, 4, 4).
+    /// Derivative of the solution `q` (shape (dof,)) with respect to its target. The `by_target` of the
+    /// `ArmDerivative` has shape (dof, 6), or (N, dof, 6) for (N, dof) and N targets.
     ///
     /// Computed by the implicit function theorem with the active limits of the solution, reached or not. Check
     /// `differentiability` before use. Raises `InvalidValueError` as `solve` does, and for other shapes.
@@ -308,7 +356,7 @@ impl Arm {
         target: &Bound<'_, PyAny>,
         q: &Bound<'_, PyAny>,
     ) -> PyResult<ArmDerivative> {
-        derivative::derivative(&self.inner, target, q)
+        derivative::derivative(&self.inner, target, &self.by_position(q, "q")?)
     }
 
     /// Pose of the tool: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
@@ -316,6 +364,7 @@ impl Arm {
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn base_from_tool<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (py, dof) = (q.py(), self.inner.joint_count());
+        let q = &self.by_position(q, "q")?;
         if axes(q)? < 2 {
             let q = arrays::vector_of(q, "q", dof)?;
             let placement = self.inner.base_from_tool(&q).or_raise()?;
@@ -332,13 +381,13 @@ impl Arm {
         Ok(to_arrays(py, &placements.or_raise()?)?.into_any())
     }
 
-    /// Solves for one target from one start: a `Solution`, reached or not.
+    /// Solves for one target from one start: a `Solution`, reached or not, whose `q` has shape (dof,), radians or metres.
     ///
-    /// `target` is base_from_tool (4 x 4, metres). `start` is a configuration of shape (dof,), inside or outside the
-    /// limits; None is `default_start`.
+    /// `target` is base_from_tool, metres. `start` is a configuration of shape (dof,) or a dict by joint name, inside or
+    /// outside the limits; None is `default_start`.
     ///
     /// Raises `InvalidValueError` for a target that is not a rigid motion to 1e-6, and for a start of another length or
-    /// one that is not finite. A target that is not reached is no error: see `Solution.reached` and `Solution.explain`.
+    /// one that is not finite. Raises it for a position without orientation unless the goal leaves the orientation free. A target that is not reached is no error: see `Solution.reached` and `Solution.explain`.
     #[pyo3(signature = (target, start = None))]
     fn solve(
         &self,
@@ -346,17 +395,18 @@ impl Arm {
         target: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let target = placement(target, "target")?;
+        let target = target_of(target, "target", &self.inner.goal())?;
         let start = match start {
-            Some(start) => arrays::copied(start, "start")?,
+            Some(start) => arrays::copied(&self.by_position(start, "start")?, "start")?,
             None => self.start(None)?,
         };
         let solution = interruptible(py, || self.inner.solve(target, &start))?;
-        Ok(Solution::from(solution.or_raise()?))
+        Ok(self.solution(py, solution.or_raise()?))
     }
 
     /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
-    /// joint distance, radians). The list is empty if the target is not reached.
+    /// joint distance, radians). The list is empty if the target is not reached. `target` and `start`, shape (dof,), are
+    /// as in `solve`.
     ///
     /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
     #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
@@ -368,17 +418,18 @@ impl Arm {
         #[pyo3(from_py_with = crate::arrays::whole)] k: usize,
         distance: f64,
     ) -> PyResult<Vec<Solution>> {
-        let target = placement(target, "target")?;
+        let target = target_of(target, "target", &self.inner.goal())?;
         let start = self.start(start)?;
         let arm = self.searching(Search::Distinct { k, distance })?;
         let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
-        Ok(solutions.into_iter().map(Solution::from).collect())
+        let solutions = solutions.into_iter();
+        Ok(solutions.map(|inner| self.solution(py, inner)).collect())
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.
     ///
-    /// `targets` has shape (N, 4, 4), or is a list of placements. `starts` has shape (N, dof), or (dof,) for a common
-    /// start; None is `default_start`. Each result depends only on its target and start: q and errors equal those of
+    /// `targets` has shape (N, 4, 4), (N, 7) or (N, 3), or is a list of placements, or a tuple of N positions and N
+    /// rotations. `starts` has shape (N, dof), or (dof,) for a common start, also as a dict by joint name; None is `default_start`. Each result depends only on its target and start: q and errors equal those of
     /// `solve` exactly, on any number of `threads` (None: all cores). With the search "first", the lowest attempt is
     /// selected instead of the fastest. `out` is a float64 array of shape (N, dof) for the configurations. `progress`
     /// is called with (done, total) from time to time; True shows a progress bar if tqdm is installed. Ctrl-C
@@ -396,50 +447,50 @@ impl Arm {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Batch> {
         let starts = match starts {
-            Some(starts) => starts.clone(),
+            Some(starts) => slf.get().by_position(starts, "starts")?,
             None => arrays::list(targets.py(), &slf.get().start(None)?).into_any(),
         };
         batch::solve(slf, targets, &starts, threads, out, progress)
     }
 
-    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch. A first target far from the
+    /// Follows a path of targets, as in `solve_batch`, from `start`, on one branch. A first target far from the
     /// start is solved as by `solve`, and can be on another branch. The `JointPath` lists every step in which a joint moves
     /// farther than 0.2 rad as a jump. Its report has the `Solutions` of the targets.
     ///
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
     fn track(
-        &self,
+        slf: &Bound<'_, Self>,
         targets: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<JointPath> {
-        let py = targets.py();
-        let targets = placements(targets, "target")?.to_vec("target")?;
-        let start = self.start(start)?;
-        let path = py
-            .detach(|| self.inner.track(&targets, &start))
-            .or_raise()?;
+        let (py, arm) = (slf.py(), slf.get());
+        let targets = targets_of(targets, "target", &arm.inner.goal())?.to_vec("target")?;
+        let start = arm.start(start)?;
+        let path = py.detach(|| arm.inner.track(&targets, &start)).or_raise()?;
         let reached = path.reached();
         let (path, solutions) = path.split_report();
-        let report = Py::new(py, Solutions::new(solutions, path.nq))?.into_any();
-        Ok(JointPath::new(&self.inner, path, reached, report))
+        let report = Solutions::new(solutions, arm.coordinates.clone_ref(py));
+        let report = Py::new(py, report)?.into_any();
+        Ok(JointPath::new(slf, path, reached, report))
     }
 
-    /// A `Follower` at `start`, for a path whose targets come one at a time. It stays on the branch of the start, unless
-    /// `global_search_on_miss` is set, and reports jumps.
+    /// A `Follower` at `start`, shape (dof,), for a path whose targets come one at a time. It stays on the branch of the
+    /// start, unless `global_search_on_miss` is set, and reports jumps.
     ///
     /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]
-    fn follower(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
-        Follower::new(Arc::clone(&self.inner), &self.start(start)?)
+    fn follower(&self, py: Python<'_>, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
+        let coordinates = self.coordinates.clone_ref(py);
+        Follower::new(Arc::clone(&self.inner), coordinates, &self.start(start)?)
     }
 
     /// A `Servo` at `start` that takes a target every `time_step` seconds.
     ///
-    /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³,
+    /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: one number for all joints or shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³,
     /// inf for none. Default: those of the robot's files. They hold in every cycle for the differences of the commanded
     /// positions.
-    /// `velocity`, `acceleration`: shape (dof,), the motion at the start; default at rest.
+    /// `velocity`, `acceleration`: one number or shape (dof,), the motion at the start; default at rest.
     /// `straight_line`: keeps the tool on the straight line to its target, at reduced speed if necessary. The tool leaves
     /// the line near singular configurations and position limits, and while it brakes for a collision.
     /// `damping`: the tool motion, in radians for each radian of joint motion, that runs at half of its speed; default
@@ -466,23 +517,25 @@ impl Arm {
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
-        let numbers = |value: Option<&Bound<'_, PyAny>>, name: &'static str| match value {
-            Some(numbers) => PyResult::Ok(Some(arrays::vector(numbers, name)?.to_vec())),
-            None => Ok(None),
+        let names: Vec<String> = self.inner.joints().map(str::to_owned).collect();
+        let numbers = |value: Option<&Bound<'_, PyAny>>, name: &str, default| {
+            value
+                .map(|value| per_joint(&Object::of(value), name, &names, default))
+                .transpose()
         };
         let options = ServoOptions {
-            velocity_limits: numbers(velocity_limits, "velocity_limits")?,
-            acceleration_limits: numbers(acceleration_limits, "acceleration_limits")?,
-            jerk_limits: numbers(jerk_limits, "jerk_limits")?,
-            velocity: numbers(velocity, "velocity")?,
-            acceleration: numbers(acceleration, "acceleration")?,
+            velocity_limits: numbers(velocity_limits, "velocity_limits", None)?,
+            acceleration_limits: numbers(acceleration_limits, "acceleration_limits", None)?,
+            jerk_limits: numbers(jerk_limits, "jerk_limits", None)?,
+            velocity: numbers(velocity, "velocity", Some(0.0))?,
+            acceleration: numbers(acceleration, "acceleration", Some(0.0))?,
             straight_line,
             damping,
         };
         Servo::new(Arc::clone(&self.inner), &start, time_step, &options)
     }
 
-    /// The arm with another tool on its tip (4 x 4, metres). Fast, because the table of seeds is shared.
+    /// The arm with another tool on its tip, a placement in metres. Fast, because the table of seeds is shared.
     ///
     /// Raises `InvalidValueError` for a placement that is not rigid.
     fn with_tool(&self, tip_from_tool: &Bound<'_, PyAny>) -> PyResult<Self> {
@@ -493,11 +546,12 @@ impl Arm {
         self.changed(tip_from_tool.py(), arm, "tool", tip_from_tool)
     }
 
-    /// The arm with another goal. Fast, because the table of seeds is shared.
+    /// The arm with another goal, a `PoseBounds`, "pose" or "position". Fast, because the table of seeds is shared.
     ///
     /// Raises `InvalidValueError` for a goal that is incompatible with the arm's other options.
-    fn with_goal(&self, goal: &Bound<'_, PoseBounds>) -> PyResult<Self> {
-        let arm = self.inner.with_goal(goal.get().inner).or_raise()?;
+    fn with_goal(&self, goal: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let bounds = pose_bounds(goal, "goal")?;
+        let arm = self.inner.with_goal(bounds).or_raise()?;
         self.changed(goal.py(), arm, "goal", goal)
     }
 
@@ -511,7 +565,8 @@ impl Arm {
         q_model: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut configuration = arrays::vector(q_model, "q_model")?.to_vec();
-        let q_arm = arrays::vector(q, "q")?;
+        let q = self.by_position(q, "q")?;
+        let q_arm = arrays::vector(&q, "q")?;
         self.inner
             .configuration(&q_arm, &mut configuration)
             .or_raise()?;

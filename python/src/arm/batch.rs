@@ -9,12 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyType};
 
 use crate::arrays::{self, Picked, RowBlock, Vector, axes};
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
+use crate::in_python;
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::placement::{self, Placements, placement, placements};
+use crate::placement::{self, Placements, placement};
 use crate::progress::Progress;
-use crate::solution::Solution;
 use crate::threads;
 
 /// Targets of a thread between two checks for signals.
@@ -122,7 +123,7 @@ pub(super) fn solve<'py>(
 ) -> PyResult<Batch> {
     let arm = &owner.get().inner;
     let (py, dof) = (targets.py(), arm.joint_count());
-    let targets = placements(targets, "target")?;
+    let targets = placement::targets(targets, "target", &arm.goal())?;
     let count = targets.len();
     let starts = Starts::new(starts, count, dof)?;
     let q = arrays::output_rows(py, out, count, dof)?;
@@ -304,6 +305,27 @@ impl Batch {
         items::explained(py, i, self.count, text)
     }
 
+    /// Names, limits and units of the columns of `q`.
+    #[getter]
+    fn coordinates(&self, py: Python<'_>) -> Py<Coordinates> {
+        self.arm.get().coordinates.clone_ref(py)
+    }
+
+    /// Table with one row for each target: a column for each joint, then `reached`, `position_error`,
+    /// `orientation_error`, `iterations` and `attempts`. A pandas `DataFrame`.
+    ///
+    /// Raises `ImportError` without pandas, which the extra `tables` installs.
+    fn to_frame<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_frame", "kinopt.tables", slf, &[])
+    }
+
+    /// Table as of `to_frame`: a pyarrow `Table`.
+    ///
+    /// Raises `ImportError` without pyarrow, which the extra `tables` installs.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_arrow", "kinopt.tables", slf, &[])
+    }
+
     fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
         Items::of(slf)
     }
@@ -316,7 +338,7 @@ impl Batch {
         let py = index.py();
         match arrays::pick(index, self.count)? {
             Picked::One(i) => {
-                let solution = Solution::from(self.solution(py, i)?);
+                let solution = self.arm.get().solution(py, self.solution(py, i)?);
                 Ok(Bound::new(py, solution)?.into_any())
             }
             Picked::Some(indices) => Ok(Bound::new(py, self.some(py, &indices)?)?.into_any()),

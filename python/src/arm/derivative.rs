@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
-use crate::placement::{placement, placements};
+use crate::placement;
 
 /// The derivative of an arm's solution with respect to its target, or of N solutions.
 #[pyclass(frozen, module = "kinopt")]
@@ -64,11 +64,11 @@ pub(super) fn derivative(
     let is_one = axes(q)? < 2;
     let (targets, q) = match is_one {
         true => (
-            vec![placement(target, "target")?],
+            vec![placement::target(target, "target", &arm.goal())?],
             arrays::vector_of(q, "q", dof)?.to_vec(),
         ),
         false => (
-            placements(target, "target")?.to_vec("target")?,
+            placement::targets(target, "target", &arm.goal())?.to_vec("target")?,
             arrays::rows(q, "q", dof)?.to_vec(),
         ),
     };

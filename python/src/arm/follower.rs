@@ -2,14 +2,16 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use kinopt::task::PoseBounds;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::OrRaise;
 use crate::joint_jump::JointJump;
-use crate::placement::placement;
+use crate::placement;
 use crate::solution::Solution;
 
 use kinopt::arm::Follower as Following;
@@ -26,14 +28,23 @@ self_cell!(
 /// Follows a path whose targets come one at a time, step by step on one branch; made by `Arm.follower`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Follower {
+    goal: PoseBounds,
     cell: Mutex<Cell>,
+    coordinates: Py<Coordinates>,
 }
 
 impl Follower {
-    pub(super) fn new(arm: Arc<kinopt::Arm>, start: &[f64]) -> PyResult<Self> {
+    pub(super) fn new(
+        arm: Arc<kinopt::Arm>,
+        coordinates: Py<Coordinates>,
+        start: &[f64],
+    ) -> PyResult<Self> {
+        let goal = arm.goal();
         let cell = Cell::try_new(arm, |arm| arm.follower(start)).or_raise()?;
         Ok(Self {
+            goal,
             cell: Mutex::new(cell),
+            coordinates,
         })
     }
 }
@@ -47,24 +58,26 @@ impl Follower {
         arrays::list(py, cell.borrow_dependent().q())
     }
 
-    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `JointJump` or None.
+    /// Moves to the next target, a placement: the `Solution`, and its `JointJump` or None.
     ///
-    /// Raises `InvalidValueError` for a target that is not rigid.
+    /// Raises `InvalidValueError` for a target that is not rigid, or that has no orientation.
     fn advance(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
     ) -> PyResult<(Solution, Option<JointJump>)> {
-        let target = placement(target, "target")?;
-        py.detach(|| {
+        let target = placement::target(target, "target", &self.goal)?;
+        let (solution, jump) = py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|arm, follower| {
                 let mut solution = kinopt::Solution::default();
                 let jump = follower.advance(target, &mut solution).or_raise()?;
                 let jumps = JointJump::of_arm(arm, jump.as_slice());
-                Ok((Solution::from(solution), jumps.into_iter().next()))
+                PyResult::Ok((solution, jumps.into_iter().next()))
             })
-        })
+        })?;
+        let coordinates = self.coordinates.clone_ref(py);
+        Ok((Solution::new(solution, coordinates), jump))
     }
 
     fn __repr__(&self) -> String {

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kinopt::arm::{Servo as Controlled, ServoStep as Cycle};
+use kinopt::task::PoseBounds;
 use kinopt_bindings::names::{held_by, servo_status};
 use kinopt_bindings::option::servo::ServoOptions;
 use numpy::PyArray1;
@@ -12,7 +13,7 @@ use self_cell::self_cell;
 use crate::arrays::{self, Floats};
 use crate::error::OrRaise;
 use crate::object::Object;
-use crate::placement::placement;
+use crate::placement;
 use crate::solution::Collision;
 
 self_cell!(
@@ -29,6 +30,7 @@ self_cell!(
 /// Every cycle satisfies the position, velocity, acceleration and jerk limits of the joints for any targets.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Servo {
+    goal: PoseBounds,
     cell: Mutex<Cell>,
 }
 
@@ -39,11 +41,13 @@ impl Servo {
         time_step: f64,
         options: &ServoOptions,
     ) -> PyResult<Self> {
+        let goal = arm.goal();
         let cell = Cell::try_new(arm, |arm| {
             let servo = arm.servo(start, time_step).or_raise()?;
             options.apply::<Object>(servo)
         })?;
         Ok(Self {
+            goal,
             cell: Mutex::new(cell),
         })
     }
@@ -96,11 +100,11 @@ impl Servo {
         self.list(py, |servo| servo.jerk_limits().to_vec())
     }
 
-    /// One control cycle towards a target (4 x 4, metres): a `ServoStep`.
+    /// One control cycle towards a target, a placement: a `ServoStep`.
     ///
     /// Raises `InvalidValueError` for a target that is not a rigid motion; the state is then unchanged.
     fn step(&self, py: Python<'_>, target: &Bound<'_, PyAny>) -> PyResult<ServoStep> {
-        let target = placement(target, "target")?;
+        let target = placement::target(target, "target", &self.goal)?;
         py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|_, servo| Ok(ServoStep::of(&servo.step(target).or_raise()?)))

@@ -5,7 +5,8 @@ mod parts;
 
 use std::sync::Arc;
 
-use kinopt::model::{JointId, JointKind};
+use kinopt::model::JointId;
+use kinopt_bindings::coordinates;
 use numpy::ndarray::Ix2;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -72,20 +73,7 @@ impl Model {
     /// "hip w".
     #[getter]
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
-        let parts = self
-            .inner
-            .moving_joints()
-            .iter()
-            .enumerate()
-            .map(|(at, &id)| {
-                let joint = &self.inner.joints()[id.index()];
-                let part = at - self.inner.coordinate(id).unwrap_or(at);
-                match joint.kind {
-                    JointKind::Ball => format!("{} {}", joint.name, ["w", "x", "y", "z"][part]),
-                    _ => joint.name.clone(),
-                }
-            });
-        parts.collect()
+        coordinates::names(&self.inner)
     }
 
     /// Names of the free joints, whose components are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
@@ -167,12 +155,12 @@ impl Model {
     /// nq), of the seeds `seed`, `seed + 1`, ...
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is not a whole number of at least 0.
-    #[pyo3(signature = (seed = None, n = None))]
+    #[pyo3(signature = (n = None, *, seed = None))]
     pub(crate) fn random_configuration<'py>(
         &self,
         py: Python<'py>,
-        seed: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
+        seed: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let model = &self.inner;
         random_configurations(py, seed, n, model.configuration_len(), |seed| {

@@ -14,6 +14,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use self::by_frame::{ByFrame, of_tasks};
 pub(crate) use self::report::{ActiveMotionLimit, MissedFrame, MotionReport};
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
@@ -39,7 +40,6 @@ use crate::trajectory::Trajectory;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionProblem {
     inner: Arc<trajectory::MotionProblem>,
-    joint_names: Vec<String>,
     arguments: (Py<PyAny>, usize, f64, Py<PyList>),
     options: Py<PyDict>,
 }
@@ -48,9 +48,9 @@ pub(crate) struct MotionProblem {
 impl MotionProblem {
     #[new]
     #[pyo3(signature = (
-        model, frames, time_step, tasks, *, parameters = None, bounds = None, tolerance = None, targets = None,
-        weights = None, velocity = None, acceleration = None, jerk = None, max_speeds = None, contacts = None,
-        first = None, last = None
+        model, frames, time_step, tasks, *, targets = None, velocity = None, acceleration = None, jerk = None,
+        contacts = None, first = None, last = None, bounds = None, max_speeds = None, tolerance = None, weights = None,
+        parameters = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
@@ -58,18 +58,18 @@ impl MotionProblem {
         frames: usize,
         time_step: f64,
         tasks: &Bound<'_, PyAny>,
-        parameters: Option<&Bound<'_, ParameterMap>>,
-        bounds: Option<&Bound<'_, PyAny>>,
-        tolerance: Option<&Bound<'_, PyAny>>,
         targets: Option<&Bound<'_, PyAny>>,
-        weights: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         acceleration: Option<&Bound<'_, PyAny>>,
         jerk: Option<&Bound<'_, PyAny>>,
-        max_speeds: Option<&Bound<'_, PyAny>>,
         contacts: Option<&Bound<'_, PyAny>>,
         first: Option<&Bound<'_, PyAny>>,
         last: Option<&Bound<'_, PyAny>>,
+        bounds: Option<&Bound<'_, PyAny>>,
+        max_speeds: Option<&Bound<'_, PyAny>>,
+        tolerance: Option<&Bound<'_, PyAny>>,
+        weights: Option<&Bound<'_, PyAny>>,
+        parameters: Option<&Bound<'_, ParameterMap>>,
     ) -> PyResult<Self> {
         let py = model.py();
         let tasks = tasks.try_iter();
@@ -91,11 +91,8 @@ impl MotionProblem {
         ];
         let options = pickling::kept(py, &keywords)?;
         let inner = build(model, frames, time_step, &tasks, &options)?;
-        let inner_model = model_of(model)?;
-        let names = crate::model::Model { inner: inner_model }.coordinate_names();
         Ok(Self {
             inner: Arc::new(inner),
-            joint_names: names,
             arguments: (
                 model.clone().unbind(),
                 frames,
@@ -178,7 +175,11 @@ impl MotionProblem {
         let (solved, report) = solved.split_report();
         let report = MotionReport::new(&report, solved.times.len());
         let report = Py::new(py, report)?.into_any();
-        Ok(Trajectory::of(solved, self.joint_names.clone(), report))
+        let model = self.arguments.0.bind(py);
+        let coordinates = Coordinates::of_model(&*model_of(model)?);
+        let coordinates = Py::new(py, coordinates)?;
+        let model = Some(model.clone().unbind());
+        Ok(Trajectory::of(solved, coordinates, report, model))
     }
 
     fn __repr__(&self) -> String {

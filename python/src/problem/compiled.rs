@@ -10,10 +10,12 @@ use kinopt::problem::{Evaluation, ProblemError};
 use kinopt_bindings::names::{DERIVATIVES, PREFERENCES, named};
 use kinopt_bindings::problem::NamedProblem;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::{ParameterMap, parameters, raised, task};
 use crate::arrays::{self, items};
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::object::Object;
@@ -30,6 +32,7 @@ pub(crate) type Moves = Vec<(usize, Move)>;
 pub(crate) struct CompiledProblem {
     problem: NamedProblem<Object>,
     model: Arc<kinopt::Model>,
+    coordinates: PyOnceLock<Py<Coordinates>>,
     pub(crate) workspaces: Pool<Workspace>,
 }
 
@@ -42,6 +45,14 @@ impl Deref for CompiledProblem {
 }
 
 impl CompiledProblem {
+    /// Names, limits and units of the numbers of a configuration.
+    pub(crate) fn coordinates(&self, py: Python<'_>) -> PyResult<Py<Coordinates>> {
+        let coordinates = self
+            .coordinates
+            .get_or_try_init(py, || Py::new(py, Coordinates::of_model(&self.model)));
+        Ok(coordinates?.clone_ref(py))
+    }
+
     /// Validates and compiles the tasks, with the options and the collision checker of a `Problem`. Without tasks,
     /// returns the error of the library.
     pub(crate) fn new(
@@ -105,6 +116,7 @@ impl CompiledProblem {
         Ok(Ok(Arc::new(Self {
             problem: NamedProblem::new(inner, ids),
             model: inner_model,
+            coordinates: PyOnceLock::new(),
             workspaces: Pool::new(Workspace::new()),
         })))
     }

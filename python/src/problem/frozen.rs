@@ -1,9 +1,11 @@
 //! Arguments of tasks: validated read-only copies.
 
+use kinopt::spatial::Placement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays;
+use crate::goal::{PoseBounds, pose_bounds};
 
 /// A read-only copy of `length` numbers (any number of them for None); `what` names it in messages. Raises
 /// `InvalidValueError`.
@@ -29,10 +31,35 @@ pub(crate) fn placement<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let placement = crate::placement::placement(value, what)?;
-    let copy = crate::placement::to_array(value.py(), &placement)?;
+    keep(value.py(), &crate::placement::placement(value, what)?)
+}
+
+/// A read-only copy of a placement that is a target under `goal` (a `PoseBounds`, "pose" or "position"; None: the full
+/// pose), shape (4, 4); `what` names it in messages. Raises `InvalidValueError`.
+#[pyfunction]
+pub(crate) fn target<'py>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+    goal: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let bounds = match goal {
+        Some(goal) => pose_bounds(goal, "goal")?,
+        None => kinopt::task::PoseBounds::pose(),
+    };
+    keep(value.py(), &crate::placement::target(value, what, &bounds)?)
+}
+
+fn keep<'py>(py: Python<'py>, placement: &Placement<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let copy = crate::placement::to_array(py, placement)?;
     arrays::freeze(&copy)?;
     Ok(copy)
+}
+
+/// Goal bounds of a `PoseBounds`, "pose" or "position". Raises `InvalidValueError` for other values, `UnknownNameError`
+/// for other words.
+#[pyfunction]
+pub(crate) fn goal(value: &Bound<'_, PyAny>) -> PyResult<PoseBounds> {
+    Ok(pose_bounds(value, "goal")?.into())
 }
 
 /// A read-only copy of axes in columns, shape (3, 3); `what` names it in messages. Raises `InvalidValueError`.

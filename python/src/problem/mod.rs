@@ -19,6 +19,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays;
 use crate::collision::Obstacles;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::solution::Collision;
@@ -26,12 +27,14 @@ use crate::world::World;
 pub(crate) use camera::Camera;
 pub(crate) use compiled::{CompiledProblem, Move};
 pub(crate) use derivative::SolutionDerivative;
-pub(crate) use frozen::{numbers, placement, rotation};
+pub(crate) use frozen::{goal, numbers, placement, rotation, target};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
 pub(crate) use task::{add, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
+///
+/// Its unknowns are a configuration of shape (configuration_len,), radians and metres. Targets are in metres and radians.
 ///
 /// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` appends more.
 /// Arguments are validated immediately. Several threads can solve one problem, each with its own targets
@@ -78,24 +81,24 @@ struct Current {
 impl Problem {
     #[new]
     #[pyo3(signature = (
-        model, tasks = None, *, parameters = None, bounds = None, tolerance = None,
-        derivatives = "analytic", preferences = "within_goals", world = None, margin = None,
-        collision_model = None, weights = None, joint_origins = None
+        model, tasks = None, *, tolerance = None, bounds = None, world = None, margin = None,
+        collision_model = None, parameters = None, preferences = "within_goals", weights = None,
+        joint_origins = None, derivatives = "analytic"
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         model: &Bound<'_, PyAny>,
         tasks: Option<&Bound<'_, PyAny>>,
-        parameters: Option<&Bound<'_, ParameterMap>>,
-        bounds: Option<&Bound<'_, PyAny>>,
         tolerance: Option<&Bound<'_, PyAny>>,
-        derivatives: &str,
-        preferences: &str,
+        bounds: Option<&Bound<'_, PyAny>>,
         world: Option<&Bound<'_, PyAny>>,
         margin: Option<&Bound<'_, PyAny>>,
         collision_model: Option<&Bound<'_, PyAny>>,
+        parameters: Option<&Bound<'_, ParameterMap>>,
+        preferences: &str,
         weights: Option<&Bound<'_, PyAny>>,
         joint_origins: Option<&Bound<'_, PyAny>>,
+        derivatives: &str,
     ) -> PyResult<Self> {
         let py = model.py();
         let keywords = [
@@ -313,7 +316,8 @@ impl Problem {
     /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, for another length
     /// and numbers that are not finite.
     fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
-        let q = arrays::copied(q, "q")?;
+        let q = configuration::of_model(self.model.bind(py), q, "q")?;
+        let q = arrays::copied(&q, "q")?;
         let Some(checker) = &self.checker else {
             return Err(invalid(
                 "the problem has no collision avoidance: create it with world, margin or collision_model",

@@ -37,14 +37,14 @@ pub(crate) struct ParameterMap {
 #[pymethods]
 impl ParameterMap {
     #[new]
-    #[pyo3(signature = (model, *, lock = None, couple = None, narrow = None, only = None, at = None))]
+    #[pyo3(signature = (model, *, lock = None, only = None, at = None, narrow = None, couple = None))]
     fn new(
         model: &Bound<'_, PyAny>,
         lock: Option<&Bound<'_, PyAny>>,
-        couple: Option<&Bound<'_, PyAny>>,
-        narrow: Option<&Bound<'_, PyAny>>,
         only: Option<Vec<String>>,
         at: Option<&Bound<'_, PyAny>>,
+        narrow: Option<&Bound<'_, PyAny>>,
+        couple: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
         let inner_model = model_of(model)?;

@@ -1,9 +1,11 @@
 //! Skeletons as targets of retargeting: rigs, scenes, captures.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use kinopt::animation::Armature as Bones;
 use kinopt::motion::retarget::{self, UpAxis};
+use kinopt_bindings::trajectory_file::{FigureFile, TrajectoryFormat, write_figure};
 use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
@@ -15,13 +17,70 @@ use crate::error::{OrRaise, invalid};
 use crate::model::Model;
 use crate::pickling;
 use crate::rig::Rig;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneFile};
 use crate::skeleton::Skeleton;
+
+/// Writes the motion of a figure, configurations at a rate, as a .bvh or a .glb with a named clip. Returns false for a
+/// robot or a model.
+pub(crate) fn write(
+    target: &Bound<'_, PyAny>,
+    motion: (&[f64], f64),
+    clip: &str,
+    to: (TrajectoryFormat, &Path),
+) -> PyResult<bool> {
+    let (py, given) = (target.py(), target.cast::<FigureTarget>());
+    let converted = match &given {
+        Ok(_) => None,
+        Err(_) => FigureTarget::of(target, None)?,
+    };
+    let Some(figure) = given
+        .as_ref()
+        .ok()
+        .map(|figure| figure.get())
+        .or(converted.as_ref())
+    else {
+        return Ok(false);
+    };
+    let source = figure.source.bind(py);
+    let write = |file: FigureFile<'_>| {
+        let written = py.detach(|| write_figure(&figure.inner, file, motion, clip, to));
+        written.or_raise().map(|()| true)
+    };
+    if let Ok(file) = source.cast::<SceneFile>() {
+        return write(FigureFile::SceneFile(&file.try_borrow()?.inner));
+    }
+    if let Ok(scene) = source.cast::<Scene>() {
+        return write(FigureFile::Scene(&scene.get().inner));
+    }
+    if let Ok(capture) = source.cast::<MotionCapture>() {
+        let capture = &capture.get().inner;
+        let (armature, turning) = (&capture.armature, capture.turning_bones());
+        let skeleton = armature.turning_skeleton("capture", &turning).or_raise()?;
+        let (channels, skeleton) = (&*capture.channels, &skeleton);
+        return write(FigureFile::Capture {
+            armature,
+            channels,
+            skeleton,
+        });
+    }
+    if let Ok(rig) = source.cast::<Rig>() {
+        let rig = &*rig.get().inner;
+        let skin = rig.mesh.as_ref().zip(rig.weights.as_ref());
+        let skeleton = &rig.skeleton;
+        return write(FigureFile::Skeleton { skeleton, skin });
+    }
+    let skeleton = &*source.cast::<Skeleton>()?.get().inner;
+    write(FigureFile::Skeleton {
+        skeleton,
+        skin: None,
+    })
+}
 
 /// The bones of a rig, a skeleton, a scene or a motion capture on a free base, rotated to an upright pose.
 ///
 /// `up` is the upward axis of the file: by default "y" for scenes and captures, "z" for rigs and skeletons. The joints
-/// of a scene's skins rotate, and the bones of a capture with rotation channels; without any, all bones rotate.
+/// of a scene's skins rotate, and the bones of a capture with rotation channels; without any, all bones rotate. A
+/// pickled figure of a `SceneFile` has its `Scene` only.
 ///
 /// Raises `InvalidValueError` for other objects, and for bones with children and a non-uniform scale.
 #[pyclass(frozen, module = "kinopt.retargeting")]
@@ -60,6 +119,11 @@ impl FigureTarget {
         }
         if let Ok(scene) = target.cast::<Scene>() {
             let scene = &scene.get().inner;
+            return of_file(&scene.armature, scene.turning_bones());
+        }
+        if let Ok(file) = target.cast::<SceneFile>() {
+            let file = file.try_borrow()?;
+            let scene = file.inner.scene();
             return of_file(&scene.armature, scene.turning_bones());
         }
         if let Ok(capture) = target.cast::<MotionCapture>() {
@@ -135,6 +199,11 @@ impl FigureTarget {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let figure = slf.get();
-        pickling::by_class::<Self>(slf.py(), (figure.source.clone_ref(slf.py()), figure.up()))
+        let source = figure.source.bind(slf.py());
+        let source = match source.cast::<SceneFile>() {
+            Ok(_) => source.getattr("scene")?,
+            Err(_) => source.clone(),
+        };
+        pickling::by_class::<Self>(slf.py(), (source, figure.up()))
     }
 }

@@ -1,7 +1,7 @@
 //! Motion capture retargeted to robots and rigs: the compiled part of `kinopt.retargeting`.
 
 mod capture;
-mod figure_target;
+pub(crate) mod figure_target;
 mod folder;
 mod live;
 mod maps;
@@ -10,6 +10,8 @@ mod request;
 mod up_axis;
 
 use pyo3::prelude::*;
+
+pub(crate) use request::target_of;
 
 /// Motion capture retargeted to robots and rigs: the compiled part.
 #[pymodule(submodule)]

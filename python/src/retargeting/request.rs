@@ -7,7 +7,7 @@ use kinopt::motion::retarget::{
     self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
 use kinopt::robot::Robot;
-use kinopt_bindings::{Arguments, Classify, Value, option};
+use kinopt_bindings::{Arguments, Classify, Value, coordinates, option};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,12 +15,11 @@ use super::capture::Capture;
 use super::figure_target::FigureTarget;
 use crate::error::{OrRaise, invalid, raise};
 use crate::has_model::model_of;
-use crate::model::Model;
 use crate::object::Options;
 use crate::world::World;
 
 /// Target of retargeting as a robot: a skeleton is put on a free base.
-pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
+pub(crate) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     if let Ok(robot) = target.cast::<crate::robot::Robot>() {
         return Ok(Arc::clone(&robot.get().inner));
     }
@@ -152,7 +151,6 @@ impl RetargetRequest {
 
     /// Names of the numbers of a configuration.
     pub(super) fn names(&self) -> Vec<String> {
-        let inner = Arc::new(self.robot.model().clone());
-        Model { inner }.coordinate_names()
+        coordinates::names(self.robot.model())
     }
 }

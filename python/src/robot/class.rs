@@ -6,11 +6,13 @@ use kinopt::collision::Checker;
 use kinopt::model::JointKind;
 use kinopt::motion::retarget::FootShapes;
 use kinopt_bindings::coordinate_order::CoordinateOrder;
+use kinopt_bindings::per_joint::configuration_of;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::source::Source;
 use crate::arrays;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 
 /// A robot: a model with mimic joints, velocity limits, shapes and masses.
@@ -39,6 +41,24 @@ impl Robot {
         })
     }
 
+    /// Returns the text of the robot's URDF after a change, and the robot of that text with the same options.
+    pub(crate) fn with_urdf(
+        &self,
+        change: impl FnOnce(&str, &str) -> PyResult<String>,
+    ) -> PyResult<(String, Self)> {
+        if self.source.is_mjcf() {
+            return Err(invalid(
+                "the robot is from MJCF: corrections are written to URDF only",
+            ));
+        }
+        let text = change(&self.source.text, &self.source.file)?;
+        let source = Source {
+            text: text.as_str().into(),
+            ..self.source.clone()
+        };
+        Ok((text, Self::build(source)?))
+    }
+
     /// Returns the collision checker of its shapes, in a world without obstacles.
     pub(crate) fn checker(&self) -> PyResult<Checker> {
         if let Some(known) = self.checker.get() {
@@ -52,6 +72,19 @@ impl Robot {
     pub(crate) fn foot_shapes(&self) -> FootShapes {
         let read_shapes = || FootShapes::of_files(&self.inner);
         self.foot_shapes.get_or_init(read_shapes).clone()
+    }
+
+    /// Returns a configuration by joint name as an array; other values as they are. Missing joints are at the neutral
+    /// configuration, and mimic joints follow.
+    pub(crate) fn by_position<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        what: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        configuration::by_position(q, |q| {
+            let q = configuration_of(q, what, &self.model, self.inner.neutral())?;
+            self.inner.apply_mimics(&q).or_raise()
+        })
     }
 
     pub(super) fn pinocchio_order(&self) -> PyResult<CoordinateOrder> {

@@ -22,7 +22,7 @@ use source::{PickledBase, PickledLimits, PickledLoops, PickledTool, Source, base
 use crate::arrays;
 use crate::collision::{CollisionModel, CollisionOptions};
 use crate::configuration::of_one;
-use crate::error::OrRaise;
+use crate::error::{OrRaise, invalid};
 use crate::kinematics::jacobians;
 use crate::masses::{centres, centres_jacobians};
 use crate::model::{Model, random_configurations};
@@ -80,6 +80,46 @@ impl Robot {
             },
             ..Source::default()
         })
+    }
+
+    /// Reads a robot file. Its root element selects the format: URDF, as `from_urdf`, or MJCF, as `from_mjcf`.
+    ///
+    /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the element, if its content is
+    /// invalid, and `InvalidValueError` for `lenient` and `soft_limits` of an MJCF file.
+    #[classmethod]
+    #[pyo3(signature = (
+        path, *, base_joint = None, base_bounds = None, lenient = false, soft_limits = false, mimic_limits = "source", confine = false
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn read(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        base_joint: Option<Bound<'_, PyAny>>,
+        base_bounds: Option<Bound<'_, PyDict>>,
+        lenient: bool,
+        soft_limits: bool,
+        mimic_limits: &str,
+        confine: bool,
+    ) -> PyResult<Self> {
+        let (base, bounds) = (base_joint, base_bounds);
+        if !kinopt::robot::Robot::is_mjcf(&text_of(&path)?.0) {
+            return Self::from_urdf(
+                class,
+                path,
+                base,
+                bounds,
+                lenient,
+                soft_limits,
+                mimic_limits,
+                confine,
+            );
+        }
+        match lenient || soft_limits {
+            true => Err(invalid(
+                "lenient and soft_limits apply to URDF files, not to MJCF: remove them",
+            )),
+            false => Self::from_mjcf(class, path, base, bounds, mimic_limits, confine),
+        }
     }
 
     /// Reads an MJCF file (MuJoCo), with the files that it includes.
@@ -153,6 +193,52 @@ impl Robot {
             },
             ..Source::default()
         })
+    }
+
+    /// Reads a xacro file through the package xacrodoc, without ROS: `pip install 'kinopt[xacro]'`.
+    ///
+    /// `arguments` are the values of `<xacro:arg>` by name. A package of `$(find NAME)` is a folder in `packages`, a
+    /// folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion
+    /// evaluates Python expressions of the file, so the file must be trusted. Other arguments are as in `from_urdf`.
+    ///
+    /// Raises `FileError` if a file cannot be read, `InvalidFileError` if its content is invalid.
+    #[classmethod]
+    #[pyo3(
+        signature = (path, arguments = None, **options),
+        text_signature = "(path, arguments=None, *, packages=None, base_joint=None, base_bounds=None, lenient=False, soft_limits=False, mimic_limits=\"source\")"
+    )]
+    fn from_xacro<'py>(
+        class: &Bound<'py, PyType>,
+        path: Bound<'py, PyAny>,
+        arguments: Option<Bound<'py, PyAny>>,
+        options: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let sources = class.py().import("kinopt._robot_sources")?;
+        sources.call_method("from_xacro", (path, arguments), options.as_ref())
+    }
+
+    /// Reads a robot of the package robot_descriptions, such as "panda_description": `pip install
+    /// 'kinopt[descriptions]'`.
+    ///
+    /// The first use of a description clones its git repository into `~/.cache/robot_descriptions` or the folder
+    /// `ROBOT_DESCRIPTIONS_CACHE`. Its file is URDF, MJCF, or xacro with `arguments` and `packages` as in `from_xacro`.
+    /// Its meshes are found there. `lenient` is for URDF and xacro. Other arguments are as in `from_urdf`.
+    ///
+    /// Raises `UnknownNameError` for an unknown name, `FileError` if the repository cannot be cloned,
+    /// `InvalidFileError` if the content is invalid.
+    #[classmethod]
+    #[pyo3(
+        signature = (name, arguments = None, **options),
+        text_signature = "(name, arguments=None, *, packages=None, base_joint=None, base_bounds=None, lenient=False, mimic_limits=\"source\")"
+    )]
+    fn from_description<'py>(
+        class: &Bound<'py, PyType>,
+        name: Bound<'py, PyAny>,
+        arguments: Option<Bound<'py, PyAny>>,
+        options: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let sources = class.py().import("kinopt._robot_sources")?;
+        sources.call_method("from_description", (name, arguments), options.as_ref())
     }
 
     /// True if meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
@@ -390,7 +476,8 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let feet = feet.iter().map(|foot| self.model.frame(foot).or_raise());
         let feet = feet.collect::<PyResult<Vec<_>>>()?;
-        let q = arrays::vector_of(q, "q", self.model.configuration_len())?.to_vec();
+        let q = self.by_position(q, "q")?;
+        let q = arrays::vector_of(&q, "q", self.model.configuration_len())?.to_vec();
         let up = match up {
             Some(up) => arrays::array(up, "up")?,
             None => [0.0, 0.0, 1.0],
@@ -442,7 +529,11 @@ impl Robot {
     /// Raises `InvalidValueError` if the file states no masses, or a negative one, or if a mass or its centre depends
     /// on a mesh (MJCF), and for other shapes.
     fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        centres(q, &self.model, &self.inner.masses().or_raise()?)
+        centres(
+            &self.by_position(q, "q")?,
+            &self.model,
+            &self.inner.masses().or_raise()?,
+        )
     }
 
     /// Jacobian of the centre of mass: three rows in m/s in world axes, a column for each number of a velocity. It has
@@ -450,7 +541,8 @@ impl Robot {
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.
     fn center_of_mass_jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        centres_jacobians(q, &self.model, &self.inner.masses().or_raise()?)
+        let q = self.by_position(q, "q")?;
+        centres_jacobians(&q, &self.model, &self.inner.masses().or_raise()?)
     }
 
     /// The configuration closest to all zeros within the limits, shape (nq,), radians and metres, quaternions w, x, y,
@@ -463,12 +555,12 @@ impl Robot {
     /// Mimic joints follow their source joints.
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
-    #[pyo3(signature = (seed = None, n = None))]
+    #[pyo3(signature = (n = None, *, seed = None))]
     fn random_configuration<'py>(
         &self,
         py: Python<'py>,
-        seed: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
+        seed: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (robot, nq) = (&self.inner, self.model.configuration_len());
         random_configurations(py, seed, n, nq, |seed| robot.random_configuration(seed))
@@ -524,7 +616,8 @@ impl Robot {
     ///
     /// Raises `InvalidValueError` for another shape.
     fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
-        let q = arrays::vector_of(q, "q", self.model.configuration_len())?;
+        let q = self.by_position(q, "q")?;
+        let q = arrays::vector_of(&q, "q", self.model.configuration_len())?;
         Ok(self.inner.is_within_limits(&q))
     }
 
@@ -534,7 +627,8 @@ impl Robot {
     /// Raises `InvalidValueError` for other shapes and for numbers that are not finite.
     fn apply_mimics<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let nq = self.model.configuration_len();
-        of_one((q, "q", nq), nq, |q, applied| {
+        let q = self.by_position(q, "q")?;
+        of_one((&q, "q", nq), nq, |q, applied| {
             applied.copy_from_slice(&self.inner.apply_mimics(q)?);
             Ok(())
         })

@@ -84,7 +84,7 @@ impl Source {
 
     /// True if the file is MJCF.
     pub(super) fn is_mjcf(&self) -> bool {
-        self.text.contains("<mujoco") && !self.text.contains("<robot")
+        Robot::is_mjcf(&self.text)
     }
 
     /// Model of the file without changes.

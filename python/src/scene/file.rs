@@ -18,7 +18,7 @@ use crate::file_access::access;
 /// cameras, extras, extensions) keeps its text and bytes.
 #[pyclass(module = "kinopt")]
 pub(crate) struct SceneFile {
-    inner: gltf::SceneFile,
+    pub(crate) inner: gltf::SceneFile,
 }
 
 #[pymethods]

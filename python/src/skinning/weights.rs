@@ -17,8 +17,8 @@ use crate::vertices::whole;
 ///
 /// The weights of each vertex sum to 1; they are stored exactly as given.
 ///
-/// Weights in coordinate form: vertex `vertices[i]` has the influence `weights[i]` of bone `bones[i]`, in any order;
-/// three lists of one length.
+/// Weights in coordinate form: vertex `vertices[i]` has the influence `weights[i]` of bone `bones[i]`, in any order:
+/// three lists of shape (K,).
 ///
 /// Raises `InvalidValueError` with the vertex and bone for a weight that is not finite or is below -1e-2, an index out
 /// of range, a duplicate pair, and vertex weights that do not sum to 1 within 1e-5.

@@ -8,7 +8,9 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::OrRaise;
+use crate::in_python;
 use crate::pickling;
 pub(crate) use reports::{ActiveLimit, Collision, Counts, RowBlockReport, TaskReport};
 
@@ -16,14 +18,18 @@ pub(crate) use reports::{ActiveLimit, Collision, Counts, RowBlockReport, TaskRep
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solution {
     inner: kinopt::Solution,
+    /// Names, limits and units of the numbers of `q`.
+    #[pyo3(get)]
+    coordinates: Py<Coordinates>,
     /// Created at the first access, then shared.
     q: PyOnceLock<Py<PyArray1<f64>>>,
 }
 
-impl From<kinopt::Solution> for Solution {
-    fn from(inner: kinopt::Solution) -> Self {
+impl Solution {
+    pub(crate) fn new(inner: kinopt::Solution, coordinates: Py<Coordinates>) -> Self {
         Self {
             inner,
+            coordinates,
             q: PyOnceLock::new(),
         }
     }
@@ -168,14 +174,35 @@ impl Solution {
         self.inner.explain()
     }
 
+    /// Draws each joint's value within its limits, with active limits marked: a matplotlib `Figure`.
+    ///
+    /// `figure`: a `Figure` or `SubFigure` to draw into, by default a new one. Raises `ImportError` without matplotlib,
+    /// which the extra `plot` installs.
+    #[pyo3(signature = (*, figure = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        figure: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("plot_solution", "kinopt.plots", slf, &[("figure", figure)])
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("solution_page", "kinopt.plots.html", slf, &[])
+    }
+
     #[classmethod]
-    fn _rebuild(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        text: &str,
+        coordinates: Py<Coordinates>,
+    ) -> PyResult<Self> {
         let inner: kinopt::Solution = serde_json::from_str(text).or_raise()?;
-        Ok(Self::from(inner))
+        Ok(Self::new(inner, coordinates))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_json::<Self>(py, &self.inner)
+        let json = serde_json::to_string(&self.inner).or_raise()?;
+        pickling::by_rebuild::<Self>(py, (json, self.coordinates.clone_ref(py)))
     }
 
     /// `bool(solution)` is `solution.reached`.

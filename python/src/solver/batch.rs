@@ -13,7 +13,10 @@ use pyo3::types::PyType;
 use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
+use crate::configuration;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
+use crate::in_python;
 use crate::items::{self, Items};
 use crate::object::Object;
 use crate::pickling;
@@ -31,28 +34,14 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 #[pyclass(frozen, sequence, module = "kinopt")]
 pub(crate) struct Solutions {
     inner: Vec<kinopt::Solution>,
-    dof: usize,
+    /// Names, limits and units of the columns of `q`.
+    #[pyo3(get)]
+    coordinates: Py<Coordinates>,
 }
 
 impl Solutions {
-    pub(crate) fn new(inner: Vec<kinopt::Solution>, dof: usize) -> Self {
-        Self { inner, dof }
-    }
-
-    /// Reads the output of `written`.
-    pub(crate) fn read(solutions: &str, dof: usize) -> PyResult<Self> {
-        let inner = serde_json::from_str(solutions).or_raise()?;
-        Ok(Self { inner, dof })
-    }
-
-    /// Serialises for `read`.
-    pub(crate) fn written(&self) -> PyResult<(String, usize)> {
-        Ok((serde_json::to_string(&self.inner).or_raise()?, self.dof))
-    }
-
-    pub(crate) fn reached_text(&self) -> String {
-        let reached = self.inner.iter().filter(|solution| solution.reached);
-        format!("{} of {} reached", reached.count(), self.inner.len())
+    pub(crate) fn new(inner: Vec<kinopt::Solution>, coordinates: Py<Coordinates>) -> Self {
+        Self { inner, coordinates }
     }
 
     fn errors<'py>(
@@ -72,7 +61,7 @@ impl Solutions {
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.inner.iter();
         let numbers: Vec<f64> = rows.flat_map(|solution| &solution.q).copied().collect();
-        arrays::list(py, &numbers).reshape([self.inner.len(), self.dof])
+        arrays::list(py, &numbers).reshape([self.inner.len(), self.coordinates.get().names.len()])
     }
 
     /// True if every required task is within its tolerances, shape (N,).
@@ -122,6 +111,22 @@ impl Solutions {
         items::explained(py, i, self.inner.len(), text)
     }
 
+    /// Table with one row for each query: a column for each number of a configuration, then `reached`,
+    /// `position_error`, `orientation_error` (where the tasks measure them), `cost`, `iterations` and `attempts`. A
+    /// pandas `DataFrame`.
+    ///
+    /// Raises `ImportError` without pandas, which the extra `tables` installs.
+    fn to_frame<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_frame", "kinopt.tables", slf, &[])
+    }
+
+    /// Table as of `to_frame`: a pyarrow `Table`.
+    ///
+    /// Raises `ImportError` without pyarrow, which the extra `tables` installs.
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python::call("to_arrow", "kinopt.tables", slf, &[])
+    }
+
     fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Items> {
         Items::of(slf)
     }
@@ -134,27 +139,39 @@ impl Solutions {
         let py = index.py();
         let indices = match arrays::pick(index, self.inner.len())? {
             Picked::One(i) => {
-                let solution = Solution::from(self.inner[i].clone());
+                let coordinates = self.coordinates.clone_ref(py);
+                let solution = Solution::new(self.inner[i].clone(), coordinates);
                 return Ok(Bound::new(py, solution)?.into_any());
             }
             Picked::Some(indices) => indices,
         };
         let picked = indices.into_iter().map(|i| self.inner[i].clone());
-        let picked = Self::new(picked.collect(), self.dof);
+        let picked = Self::new(picked.collect(), self.coordinates.clone_ref(py));
         Ok(Bound::new(py, picked)?.into_any())
     }
 
     #[classmethod]
-    fn _rebuild(_class: &Bound<'_, PyType>, solutions: &str, dof: usize) -> PyResult<Self> {
-        Self::read(solutions, dof)
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        solutions: &str,
+        coordinates: Py<Coordinates>,
+    ) -> PyResult<Self> {
+        let inner = serde_json::from_str(solutions).or_raise()?;
+        Ok(Self { inner, coordinates })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_rebuild::<Self>(py, self.written()?)
+        let json = serde_json::to_string(&self.inner).or_raise()?;
+        pickling::by_rebuild::<Self>(py, (json, self.coordinates.clone_ref(py)))
     }
 
     fn __repr__(&self) -> String {
-        format!("Solutions({})", self.reached_text())
+        let reached = self.inner.iter().filter(|solution| solution.reached);
+        format!(
+            "Solutions({} of {} reached)",
+            reached.count(),
+            self.inner.len()
+        )
     }
 }
 
@@ -183,6 +200,8 @@ impl Queries {
         (starts, targets, max_move): BatchArrays<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
+        let model = python_problem.model(starts.py());
+        let starts = &configuration::of_model(model.bind(starts.py()), starts, "starts")?;
         let many_starts = arrays::axes(starts)? == 2;
         let (starts, mut count) = match many_starts {
             true => {
@@ -273,8 +292,7 @@ pub(super) fn solve(
         0 | 1 => one_by_one(&queries, engine_and_problem, &progress),
         threads => on_threads(&queries, engine_and_problem, threads, &progress),
     })?;
-    let dof = queries.dof;
-    Ok(Solutions::new(inner, dof))
+    Ok(Solutions::new(inner, problem.coordinates(py)?))
 }
 
 fn one_by_one(

@@ -4,14 +4,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::ik::{MotionLimits, Restarts};
 use kinopt::solver::Stopping;
+use kinopt_bindings::Value;
 use kinopt_bindings::task::Aimed;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::joint_jump::JointJump;
+use crate::object::Object;
 use crate::problem::{CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
@@ -75,29 +78,30 @@ impl Drag {
             on(&mut drag);
             raised().map(|()| drag.solution().clone())
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, self.compiled.coordinates(py)?))
     }
 }
 
 #[pymethods]
 impl Drag {
     #[new]
-    #[pyo3(signature = (problem, start, *, solver = None, max_move = None, search = None, seed = 0, time_step = None, velocity_limits = None, acceleration_limits = None, jerk_limits = None))]
+    #[pyo3(signature = (problem, start, *, max_move = None, time_step = None, velocity_limits = None, acceleration_limits = None, jerk_limits = None, search = None, seed = 0, solver = None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         py: Python<'_>,
         problem: &Bound<'_, Problem>,
         start: &Bound<'_, PyAny>,
-        solver: Option<&Bound<'_, Solver>>,
         max_move: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
-        #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
         time_step: Option<f64>,
         velocity_limits: Option<&Bound<'_, PyAny>>,
         acceleration_limits: Option<&Bound<'_, PyAny>>,
         jerk_limits: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
+        solver: Option<&Bound<'_, Solver>>,
     ) -> PyResult<Self> {
-        let start = arrays::vector(start, "start")?.to_vec();
+        let start = configuration::of_model(problem.get().model(py).bind(py), start, "start")?;
+        let start = arrays::vector(&start, "start")?.to_vec();
         let compiled = problem.get().compiled()?;
         let inner_problem = &compiled.inner;
         let new = py.detach(|| {
@@ -197,7 +201,8 @@ impl Drag {
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn set_configuration(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
-        let q = arrays::vector(q, "q")?.to_vec();
+        let q = configuration::of_model(self.problem.get().model(py).bind(py), q, "q")?;
+        let q = arrays::vector(&q, "q")?.to_vec();
         py.detach(|| self.lock().set_configuration(&q).or_raise())
     }
 
@@ -220,9 +225,13 @@ impl Drag {
 
     /// Solution of the last frame; None before the first.
     #[getter]
-    fn solution(&self, py: Python<'_>) -> Option<Solution> {
+    fn solution(&self, py: Python<'_>) -> PyResult<Option<Solution>> {
         let solution = self.look(py, |drag| drag.solution().clone());
-        (!solution.q.is_empty()).then(|| solution.into())
+        if solution.q.is_empty() {
+            return Ok(None);
+        }
+        let coordinates = self.compiled.coordinates(py)?;
+        Ok(Some(Solution::new(solution, coordinates)))
     }
 
     /// True if a joint moved by its limit for a frame; the next frames continue.
@@ -274,7 +283,10 @@ fn motion_limits(
     ];
     for ((limit, value), name) in limits_of_rates.into_iter().zip(rate_limits).zip(names) {
         if let Some(value) = value {
-            *limit = arrays::vector(value, name)?.to_vec();
+            *limit = match Object::of(value).as_number() {
+                Some(number) => vec![number; limit.len()],
+                None => arrays::vector(value, name)?.to_vec(),
+            };
         }
     }
     Ok(limits)

@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::object::Object;
 use crate::pickling;
@@ -55,22 +56,21 @@ impl Solver {
 impl Solver {
     #[new]
     #[pyo3(signature = (
-        method = None, *, max_iterations = None, gradient_tolerance = None, step_tolerance = None,
-        patience = None, time_limit = None, attempts = None, seed = None, agreeing = None,
-        restart_steps = None
+        method = None, *, attempts = None, seed = None, time_limit = None, max_iterations = None, agreeing = None,
+        gradient_tolerance = None, step_tolerance = None, patience = None, restart_steps = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
+        time_limit: Option<f64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
         gradient_tolerance: Option<f64>,
         step_tolerance: Option<f64>,
         patience: Option<f64>,
-        time_limit: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<u64>,
     ) -> PyResult<Self> {
         let counts = [("attempts", attempts), ("agreeing", agreeing)];
@@ -122,8 +122,9 @@ impl Solver {
         self.engine.name()
     }
 
-    /// Solves `problem` from the configuration `start`, shape (nq,), which is projected into the limits. Locked joints
-    /// and mimic joints take their values from the problem's parameters.
+    /// Solves `problem` from the configuration `start`, shape (nq,) or a dict by joint name whose missing joints are at
+    /// the neutral configuration. It is projected into the limits. Locked joints and mimic joints take their values from
+    /// the problem's parameters.
     ///
     /// `max_move` is a hard bound of each joint's displacement from `start`; of a ball joint, of its rotation angle. It
     /// is one number for each number of a configuration, shape (nq,), radians or metres, with inf for no limit and four
@@ -152,7 +153,8 @@ impl Solver {
     ) -> PyResult<Solution> {
         let python_problem = problem.get();
         let problem = python_problem.compiled()?;
-        let start = arrays::vector(start, "start")?.to_vec();
+        let start = configuration::of_model(python_problem.model(py).bind(py), start, "start")?;
+        let start = arrays::vector(&start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let mut instance = problem.instance(&targets)?;
@@ -170,7 +172,7 @@ impl Solver {
                 raised().and(solution)
             })
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, problem.coordinates(py)?))
     }
 
     /// Solves `problem` from each of `starts`, shape (N, nq), or N times from one, shape (nq,).

@@ -21,8 +21,8 @@ use crate::pickling;
 use crate::placement;
 
 /// Named obstacles in the order of their addition; `World()` has none. Lengths are in metres. A `pose` is that of an
-/// obstacle in the world: a placement of shape (4, 4), a position of shape (3,), or None for the origin. An arm or
-/// problem copies the world that it is given.
+/// obstacle in the world: a placement, such as a position of shape (3,), or None for the origin. An arm or problem copies
+/// the world that it is given.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct World(Mutex<collision::World>);
 
@@ -47,21 +47,11 @@ impl From<collision::World> for World {
     }
 }
 
-/// Reads a placement, a position or the origin.
+/// Reads a placement, or the origin.
 fn pose(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<Placement<f64>> {
-    match value {
-        None => Ok(Placement::identity()),
-        Some(value) if arrays::axes(value).unwrap_or(0) == 1 => {
-            match *arrays::vector(value, what)? {
-                [x, y, z] => Ok(Vector3::new(x, y, z).into()),
-                ref other => Err(invalid(format!(
-                    "{what} has shape ({},), expected a position of shape (3,) or a placement of shape (4, 4)",
-                    other.len()
-                ))),
-            }
-        }
-        Some(value) => placement::placement(value, what),
-    }
+    value.map_or(Ok(Placement::identity()), |value| {
+        placement::placement(value, what)
+    })
 }
 
 fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vector3<f64>>> {

@@ -107,6 +107,7 @@ def test_panda_tool_is_dragged(opened, open_tab):
     sent = len(shown.received)
     before = shown.colors()
     start = page.body.frame("tool")
+    height = shown.tab.locator(".kinopt-status").bounding_box()["height"]
     inwards = -0.2 * start[:3, 3] / np.linalg.norm(start[:2, 3]) * [1.0, 1.0, 0.0]
     drag(shown, "tool", along_an_axis(start, inwards))
     moved = page.body.frame("tool")
@@ -115,6 +116,8 @@ def test_panda_tool_is_dragged(opened, open_tab):
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
     assert page.status.text.startswith("Reached")
     assert shown.status().startswith("Reached")
+    # The controls below the text do not move.
+    assert shown.tab.locator(".kinopt-status").bounding_box()["height"] == height
     # The picture follows, and only transforms are sent: nothing near the size of a mesh.
     assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.01
     assert max(shown.received[sent:]) < 20_000 < max(shown.received[:sent])
@@ -178,14 +181,14 @@ def test_panel_controls_joints_pins_options_and_time(opened, open_tab):
     assert "head/tip" not in page.pinned
     # Play, and pause.
     tab.get_by_role("button", name="Play").click()
-    shown.until(lambda: page.time.playing)
-    assert page.time.playing
+    shown.until(lambda: page.play_bar.playing)
+    assert page.play_bar.playing
     q = page.body.q
     shown.until(lambda: not np.array_equal(page.body.q, q))
     assert not np.array_equal(page.body.q, q)
     tab.get_by_role("button", name="Pause").click()
-    shown.until(lambda: not page.time.playing)
-    assert not page.time.playing
+    shown.until(lambda: not page.play_bar.playing)
+    assert not page.play_bar.playing
     # Save.
     for kind in ("JSON", "OBJ", "GLB"):
         with tab.expect_download() as download:

@@ -10,6 +10,7 @@ mod joint_paths;
 mod malformed;
 mod reconfigurations;
 mod reports;
+mod segments;
 mod sparse_waypoints;
 mod times;
 mod trajectories;

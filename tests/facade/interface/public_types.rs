@@ -190,7 +190,7 @@ fn declared(folder: &Path, found: &mut Vec<String>) {
 #[test]
 fn every_public_type_is_listed() {
     let above = include_str!("public_types.rs");
-    // The bridge to argmin has tests of its own (`examples/argmin/tests`), with its feature.
+    // The bridge to argmin has tests of its own (`examples/rust/argmin/tests`), with its feature.
     let words = above.split(|c: char| !c.is_alphanumeric()).chain(BRIDGE);
     let words: Vec<&str> = words.collect();
     let mut found = Vec::new();
@@ -205,7 +205,7 @@ fn every_public_type_is_listed() {
     assert!(found.is_empty(), "{found:?} are to be listed above");
 }
 
-/// Tested in `examples/argmin/tests/bridge/promises.rs`.
+/// Tested in `examples/rust/argmin/tests/bridge/promises.rs`.
 const BRIDGE: [&str; 4] = [
     "BoundedProblem",
     "UnboundedProblem",

@@ -78,7 +78,7 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
 #[test]
 fn link_placements_equal_pinocchio() {
     let robots = reference();
-    assert_eq!(robots.len(), 8);
+    assert_eq!(robots.len(), 9);
     for ReferenceRobot {
         file,
         joints,

@@ -81,9 +81,9 @@ name="elbow" => name="shoulder" | two.urdf:13: joint `shoulder`: the name is alr
 <axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic multiplier="2"/> | two.urdf:17: joint `elbow`, <mimic>: attribute `joint` is missing or empty
 <axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic joint="shoulder" multiplier="two"/> | two.urdf:17: joint `elbow`, <mimic>: attribute `multiplier` must be 1 finite number(s), not `two`
 <axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic joint="elbow"/> | two.urdf: joint `elbow` is its own source through mimic joints
-<robot name="two"> => <robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/> | two.urdf:2: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
-<link name="base"/> => <xacro:include filename="arm.xacro"/> | two.urdf:3: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
-xyz="0 0 0.5" => xyz="0 0 ${height}" | two.urdf:7: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
+<robot name="two"> => <robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/> | two.urdf:2: this is xacro, not URDF: expand it first with `xacro IN > OUT.urdf` (`pip install xacro`; in Python `Robot.from_xacro`)
+<link name="base"/> => <xacro:include filename="arm.xacro"/> | two.urdf:3: this is xacro, not URDF: expand it first with `xacro IN > OUT.urdf` (`pip install xacro`; in Python `Robot.from_xacro`)
+xyz="0 0 0.5" => xyz="0 0 ${height}" | two.urdf:7: this is xacro, not URDF: expand it first with `xacro IN > OUT.urdf` (`pip install xacro`; in Python `Robot.from_xacro`)
 "#;
 
 #[test]

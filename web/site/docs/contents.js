@@ -9,7 +9,7 @@ export const repository = source("Cargo.toml").match(/^repository = "(.*)"/m)[1]
 const LIST = "docs/README.md";
 
 /** Pages generated from the sources of an interface, by the link target in docs/README.md. */
-export const REFERENCES = { "python/kinopt/_kinopt/__init__.pyi": "python/reference.html", "web/src": "web/reference.html" };
+export const REFERENCES = { "python/stubs/__init__.pyi": "python/reference.html", "web/src": "web/reference.html" };
 
 /**
  * Address of a repository page on the site. A README is its folder's index page. The main README is not, because the

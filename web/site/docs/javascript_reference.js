@@ -39,7 +39,7 @@ export function declarations(text) {
 const line = ({ signature, doc }) => `- \`${signature}\`${doc ? `  \n  ${doc.replace(/\n+/g, " ")}` : ""}`;
 
 export function javascriptReference() {
-    const all = declarations(read("kinopt.d.ts")).filter(({ name }) => !/^(Sync)?Init|^init/.test(name));
+    const all = ["kinopt.d.ts", "errors.d.ts"].flatMap((name) => declarations(read(name))).filter(({ name }) => !/^(Sync)?Init|^init/.test(name));
     const functions = ["placement.d.ts", "tasks.d.ts"].map((name) => declarations(read(name)).filter(({ kind }) => kind === "function"));
     const asLine = (item, prefix = "") => line({ signature: `${prefix}${item.name}${item.rest.replace(/\s+/g, " ").replace("( ", "(").replace(", )", ")")}`, doc: item.doc });
     const text = ["# JavaScript reference", "", "Exports of the npm package `kinopt`, with their types. Their use is shown on [the package's page](https://github.com/kinopt/kinopt/blob/main/web/README.md).", ""];

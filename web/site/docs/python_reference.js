@@ -12,10 +12,13 @@ const MODULES = [
     ["kinopt.skinning", "skinning.py", "skinning", ["skinning.py"]],
     ["kinopt.io", "io.py", "io", ["io.py"]],
     ["kinopt.retargeting", "retargeting/__init__.py", "retargeting", filesIn("retargeting")],
+    ["kinopt.models", "models/__init__.py", undefined, ["models/__init__.py"]],
     ["kinopt.view", "view/__init__.py", undefined, filesIn("view")],
     ["kinopt.ray", "ray/__init__.py", undefined, filesIn("ray")],
     ["kinopt.torch", "torch.py", undefined, ["torch.py"]],
     ["kinopt.jax", "jax.py", undefined, ["jax.py"]],
+    ["kinopt.lerobot", "lerobot.py", undefined, ["lerobot.py"]],
+    ["kinopt.rerun", "rerun.py", undefined, ["rerun.py"]],
 ];
 
 function filesIn(folder) {
@@ -102,7 +105,7 @@ function ofStub(file, words) {
     const entries = [];
     let currentClass;
     let property = false;
-    for (const statement of file ? statements(source(`python/kinopt/_kinopt/${file}.pyi`)) : []) {
+    for (const statement of file ? statements(source(`python/stubs/${file}.pyi`)) : []) {
         const kind = statement.match(/^class (\w+)/);
         if (kind) entries.push((currentClass = { name: kind[1], doc: words.get(kind[1]), members: [] }));
         else if (/^def /.test(statement)) {

@@ -8,12 +8,15 @@ const library = source("src/lib.rs");
 const RUNNERS = {
     // Doc tests of the pages that the library includes.
     rust: (path) => library.includes(`include_str!("../${path}")`),
-    // python/tests/test_readme.py: all of docs/ and the package's page; test_ray.py the blocks with Ray.
+    // python/tests/test_readme.py: all of docs/ and the package's page; blocks with other packages: below.
     python: (path) => path.startsWith("docs/") || path === "README.md" || path === "python/README.md",
     // web/tests/pages.test.js: all of docs/; web/tests/package.test.js: the package's page.
     js: (path) => path.startsWith("docs/") || path === "web/README.md",
     // package.test.js in this folder.
     html: (path) => path === "web/README.md",
+    // crates/kinopt-c/tests/CMakeLists.txt.
+    c: (path) => path === "docs/guide/cpp.md",
+    cpp: (path) => path === "docs/guide/cpp.md",
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
@@ -23,6 +26,10 @@ const MARKED = {
     "until its page answers": (path) => RUNNERS.python(path) || path === "README.md",
     // python/tests/test_ray.py.
     "with Ray": (path) => path === "python/README.md",
+    // python/tests/test_robot_sources.py and test_rerun.py.
+    "with robot_descriptions": (path) => path === "docs/guide/interoperation.md",
+    "with xacrodoc": (path) => path === "docs/guide/interoperation.md",
+    "with Rerun": (path) => path === "docs/guide/interoperation.md",
     // web/tests/package.test.js.
     "in an empty project": (path) => path === "web/README.md",
 };

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::placement::read;
-use crate::raise;
 use crate::solution::Solution;
 
 use kinopt::arm::Follower as Following;
@@ -27,7 +27,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    pub(super) fn new(arm: Rc<kinopt::Arm>, start: &[f64]) -> Result<Self, JsError> {
+    pub(super) fn new(arm: Rc<kinopt::Arm>, start: &[f64]) -> Result<Self, Exception> {
         let cell = Cell::try_new(arm, |arm| arm.follower(start)).map_err(raise)?;
         let jumped = false;
         Ok(Self { cell, jumped })
@@ -52,7 +52,7 @@ impl Follower {
     pub fn advance(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-    ) -> Result<Solution, JsError> {
+    ) -> Result<Solution, Exception> {
         let target = read(target, "target")?;
         let mut solution = kinopt::Solution::default();
         let advanced = self.cell.with_dependent_mut(|_, follower| {

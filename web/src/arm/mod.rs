@@ -7,14 +7,17 @@ mod servo;
 
 use std::rc::Rc;
 
+use kinopt_bindings::coordinates;
+use kinopt_bindings::per_joint::configuration;
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::joint_path::JointPath;
 use crate::object;
 use crate::placement::{columns, read, read_all};
-use crate::raise;
 use crate::robot::Robot;
 use crate::solution::Solution;
+use crate::value::Value;
 use batch::Batch;
 use follower::Follower;
 use servo::{Servo, ServoOptions};
@@ -23,12 +26,32 @@ use servo::{Servo, ServoOptions};
 #[wasm_bindgen]
 pub struct Arm {
     pub(crate) inner: Rc<kinopt::Arm>,
+    robot: Rc<kinopt::robot::Robot>,
+    base: Option<String>,
+    tip: String,
 }
 
-impl From<kinopt::Arm> for Arm {
-    fn from(inner: kinopt::Arm) -> Self {
-        let inner = Rc::new(inner);
-        Self { inner }
+impl Arm {
+    /// The arm with other options.
+    fn with(&self, inner: kinopt::Arm) -> Self {
+        Self {
+            inner: Rc::new(inner),
+            robot: Rc::clone(&self.robot),
+            base: self.base.clone(),
+            tip: self.tip.clone(),
+        }
+    }
+}
+
+impl Arm {
+    /// Reads a start: a list, or positions by joint name; `defaultStart` if it is missing.
+    fn start(&self, start: JsValue) -> Result<Vec<f64>, Exception> {
+        let default = self.inner.default_start();
+        if start.is_undefined() || start.is_null() {
+            return Ok(default.to_vec());
+        }
+        let names: Vec<String> = self.inner.joints().map(str::to_owned).collect();
+        configuration(&Value(start), "start", &names, default)
     }
 }
 
@@ -41,8 +64,40 @@ impl Arm {
         base: Option<String>,
         tip: &str,
         options: Option<options::ArmOptions>,
-    ) -> Result<Self, JsError> {
-        Ok(options::build(robot, base, tip, options)?.into())
+    ) -> Result<Self, Exception> {
+        let inner = options::build(robot, base.clone(), tip, options)?;
+        Ok(Self {
+            inner: Rc::new(inner),
+            robot: Rc::clone(&robot.inner),
+            base,
+            tip: tip.to_owned(),
+        })
+    }
+
+    /// Frame of the targets; `undefined` for the world.
+    #[wasm_bindgen(getter)]
+    pub fn base(&self) -> Option<String> {
+        self.base.clone()
+    }
+
+    /// The frame that carries the tool.
+    #[wasm_bindgen(getter)]
+    pub fn tip(&self) -> String {
+        self.tip.clone()
+    }
+
+    /// Name of the robot.
+    #[wasm_bindgen(getter, js_name = robotName)]
+    pub fn robot_name(&self) -> String {
+        self.robot.name().to_owned()
+    }
+
+    /// Units of the joint positions, from base to tip: "rad" or "m".
+    #[wasm_bindgen(getter, js_name = jointUnits)]
+    pub fn joint_units(&self) -> Vec<String> {
+        let joints = self.inner.joint_ids().iter();
+        let units = joints.map(|&id| coordinates::unit(self.robot.model(), id));
+        units.map(str::to_owned).collect()
     }
 
     /// Names of the joints from base to tip: the order of `q`, `lower` and `upper`.
@@ -76,11 +131,17 @@ impl Arm {
         self.inner.default_start().to_vec()
     }
 
+    /// Configuration sampled uniformly within the limits, radians or metres. Equal seeds give equal configurations.
+    #[wasm_bindgen(js_name = randomConfiguration)]
+    pub fn random_configuration(&self, seed: u32) -> Vec<f64> {
+        self.inner.random_configuration(seed.into())
+    }
+
     /// The arm with `defaultStart` at the state `ready` or `home` of an SRDF file.
     #[wasm_bindgen(js_name = withSrdf)]
     pub fn with_srdf(&self, srdf: &crate::srdf::Srdf) -> Self {
         let arm = kinopt::Arm::clone(&self.inner);
-        arm.with_srdf(&srdf.inner).into()
+        self.with(arm.with_srdf(&srdf.inner))
     }
 
     /// Pose of the tool in the base frame at the joint positions `q`: a 4 x 4 matrix by columns. The tool is the tip
@@ -89,20 +150,20 @@ impl Arm {
     pub fn base_from_tool(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let placement = self.inner.base_from_tool(q).map_err(raise)?;
         Ok(columns(&placement).to_vec())
     }
 
-    /// Solves for one target pose of the tool in the base frame. The search begins at `start`, by default
-    /// `defaultStart`. A missed target is no exception: see `reached` and `explain()`.
+    /// Solves for one target pose of the tool in the base frame. The search begins at `start`, numbers or positions by
+    /// joint name; joints without a position are at `defaultStart`. A missed target is no exception: see `reached` and `explain()`.
     pub fn solve(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<Solution, JsError> {
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
+    ) -> Result<Solution, Exception> {
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
     }
 
@@ -112,10 +173,10 @@ impl Arm {
     pub fn solve_batch(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] starts: Option<Vec<f64>>,
-    ) -> Result<Batch, JsError> {
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] starts: JsValue,
+    ) -> Result<Batch, Exception> {
         let targets = read_all(targets, "target")?;
-        let mut starts = starts.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let mut starts = self.start(starts)?;
         if starts.len() == self.inner.joint_count() {
             starts = starts.repeat(targets.len());
         }
@@ -131,17 +192,17 @@ impl Arm {
     pub fn distinct(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] k: Option<u32>,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] distance: Option<f64>,
-    ) -> Result<Vec<Solution>, JsError> {
+    ) -> Result<Vec<Solution>, Exception> {
         let search = kinopt::arm::Search::Distinct {
             k: k.unwrap_or(16) as usize,
             distance: distance.unwrap_or(0.1),
         };
         let arm = self.inner.with_search(search).map_err(raise)?;
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         let all = arm.solve_all(target, &start).map_err(raise)?;
         Ok(all.into_iter().map(Solution::from).collect())
     }
@@ -152,10 +213,10 @@ impl Arm {
     pub fn track(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<JointPath, JsError> {
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
+    ) -> Result<JointPath, Exception> {
         let targets = read_all(targets, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         let path = self.inner.track(&targets, &start).map_err(raise)?;
         let reached = path.reached();
         let (path, solutions) = path.split_report();
@@ -167,9 +228,9 @@ impl Arm {
     /// Creates a follower at the configuration `start`, for targets that come one at a time.
     pub fn follower(
         &self,
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<Follower, JsError> {
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
+    ) -> Result<Follower, Exception> {
+        let start = self.start(start)?;
         Follower::new(Rc::clone(&self.inner), &start)
     }
 
@@ -180,7 +241,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
         #[wasm_bindgen(js_name = timeStep)] time_step: f64,
         options: Option<ServoOptions>,
-    ) -> Result<Servo, JsError> {
+    ) -> Result<Servo, Exception> {
         Servo::new(Rc::clone(&self.inner), start, time_step, options)
     }
 
@@ -190,9 +251,9 @@ impl Arm {
         &self,
         #[wasm_bindgen(js_name = tipFromTool, unchecked_param_type = "Placement")]
         tip_from_tool: &[f64],
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let tool = read(tip_from_tool, "tipFromTool")?;
-        Ok(self.inner.with_tool(tool).map_err(raise)?.into())
+        Ok(self.with(self.inner.with_tool(tool).map_err(raise)?))
     }
 
     /// Copy of the whole robot's configuration `qModel`, with the arm's joints at `q`.
@@ -200,7 +261,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
         #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: Vec<f64>,
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let mut whole = q_model;
         self.inner.configuration(q, &mut whole).map_err(raise)?;
         Ok(whole)
@@ -211,7 +272,7 @@ impl Arm {
     pub fn joint_values(
         &self,
         #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let mut q = Vec::new();
         self.inner.joint_values(q_model, &mut q).map_err(raise)?;
         Ok(q)
@@ -234,11 +295,12 @@ impl Arm {
         margin: Option<f64>,
         options: Option<options::ArmOptions>,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] held: Option<Vec<f64>>,
-    ) -> Result<Self, JsError> {
-        let arm = options::build(robot, base, tip, options)?;
+    ) -> Result<Self, Exception> {
+        let arm = Self::new(robot, base, tip, options)?;
         let checker = shapes.checker(world, margin)?;
         let held = held.unwrap_or_else(|| checker.model().model().neutral());
-        Ok(arm.with_checker(&checker, &held).map_err(raise)?.into())
+        let inner = kinopt::Arm::clone(&arm.inner).with_checker(&checker, &held);
+        Ok(arm.with(inner.map_err(raise)?))
     }
 
     /// The arm with another world.
@@ -247,15 +309,16 @@ impl Arm {
         &self,
         world: &crate::world::World,
         margin: Option<f64>,
-    ) -> Result<Self, JsError> {
-        Ok((self.inner.with_world(&world.inner, margin).map_err(raise)?).into())
+    ) -> Result<Self, Exception> {
+        let inner = self.inner.with_world(&world.inner, margin);
+        Ok(self.with(inner.map_err(raise)?))
     }
 
     /// Pairs in collision, or nearer than the margin, at `q`.
     pub fn collisions(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<crate::solution::Collisions, JsError> {
+    ) -> Result<crate::solution::Collisions, Exception> {
         let collisions = self.inner.collisions(q).map_err(raise)?;
         Ok(crate::solution::collisions(&collisions))
     }

@@ -7,8 +7,8 @@ use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
 use crate::placement::read;
-use crate::raise;
 use crate::value::Value;
 
 use kinopt::arm::Servo as Servoing;
@@ -25,11 +25,11 @@ self_cell!(
 const TYPES: &str = r#"
 export interface ServoOptions {
     /** Velocity limits of the joints, rad/s or m/s, infinite for none; default: those of the robot's files. */
-    velocityLimits?: Numbers;
+    velocityLimits?: PerJoint;
     /** Acceleration limits of the joints, rad/s² or m/s², infinite for none; default: those of the robot's files. */
-    accelerationLimits?: Numbers;
+    accelerationLimits?: PerJoint;
     /** Jerk limits of the joints, rad/s³ or m/s³, infinite for none; default: those of the robot's files. */
-    jerkLimits?: Numbers;
+    jerkLimits?: PerJoint;
     /** Keeps the tool on the straight line to its target, at reduced speed if necessary; default false. */
     straightLine?: boolean;
     /** Damping near singular configurations, radians; default 0.01. */
@@ -58,13 +58,13 @@ impl Servo {
         start: &[f64],
         step: f64,
         options: Option<ServoOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         // The motion at the start is at rest.
         let known = names(&servo::options())
             .into_iter()
             .filter(|name| !["velocity", "acceleration"].contains(name));
         let options = NamedArguments::of(options, "option of a servo", known)?;
-        let options = servo::ServoOptions::of(&options)?;
+        let options = servo::ServoOptions::of(&options, &arm)?;
         let cell = Cell::try_new(arm, |arm| {
             options.apply::<Value>(arm.servo(start, step).map_err(raise)?)
         })?;
@@ -142,7 +142,7 @@ impl Servo {
     pub fn step(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let target = read(target, "target")?;
         let result = self.cell.with_dependent_mut(|_, servo| {
             let step = servo.step(target)?;

@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 use super::{ClearFollowerOptions, FOLLOWER_OPTIONS, FollowerOptions, Mapped};
 use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::raise;
+use crate::error::{Exception, raise};
 use crate::robot::Robot;
 use crate::world::{CollisionModel, World};
 
@@ -36,7 +36,7 @@ impl RetargetFollower {
         measured: &Clip,
         map: Option<String>,
         options: Option<FollowerOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = NamedArguments::new(options, "option of a follower", &FOLLOWER_OPTIONS)?;
         Self::of(robot, Mapped::new(robot, measured, map, &options)?)
@@ -50,7 +50,7 @@ impl RetargetFollower {
         world: &World,
         map: Option<String>,
         options: Option<ClearFollowerOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let known: Vec<&str> = FOLLOWER_OPTIONS.into_iter().chain(["margin"]).collect();
         let options = NamedArguments::new(options, "option of a follower", &known)?;
@@ -64,10 +64,10 @@ impl RetargetFollower {
     pub fn step(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] places: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let (count, expected) = (places.len(), 3 * self.inner.joints());
         if count != expected {
-            return Err(JsError::new(&format!(
+            return Err(Exception::new(&format!(
                 "places has {count} numbers, expected {expected}"
             )));
         }
@@ -120,7 +120,7 @@ impl RetargetFollower {
 }
 
 impl RetargetFollower {
-    fn of(robot: &Robot, mapped: Mapped) -> Result<Self, JsError> {
+    fn of(robot: &Robot, mapped: Mapped) -> Result<Self, Exception> {
         let retargeting = mapped.fitted(robot)?;
         Ok(Self {
             inner: retargeting.live().map_err(raise)?,

@@ -5,13 +5,15 @@ mod movement;
 
 use kinopt::collision::Checker;
 use kinopt::model::UnknownName;
-use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
-use kinopt_bindings::option;
+use kinopt::motion::retarget::{
+    BodyMap, Capture, RetargetError, RetargetOptions, Retargeting, UpAxis,
+};
+use kinopt_bindings::{Classify, option};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::raise;
+use crate::error::{Exception, raise};
 use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -86,7 +88,7 @@ impl Mapped {
         clip: &Clip,
         map: Option<String>,
         options: &NamedArguments,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let given_up_axis = match options.text("up")?.as_deref() {
             None => None,
             Some("y") => Some(UpAxis::Y),
@@ -99,7 +101,9 @@ impl Mapped {
         let guess = match map {
             Some(map) => {
                 let map = BodyMap::from_json(&map, robot.inner.name());
-                let map_error = |error| raise(format_args!("the map: {error}"));
+                let map_error = |error: RetargetError| {
+                    Exception::of(error.kind(), &format!("the map: {error}"))
+                };
                 map.map_err(map_error)?.completed(&capture, model)
             }
             None => BodyMap::guess(&capture, model),
@@ -118,7 +122,7 @@ impl Mapped {
     }
 
     /// Fits the capture to the robot: lengths of limbs, the ground, contacts, and collision avoidance if enabled.
-    fn fitted<'r>(&self, robot: &'r Robot) -> Result<Retargeting<'r>, JsError> {
+    fn fitted<'r>(&self, robot: &'r Robot) -> Result<Retargeting<'r>, Exception> {
         let options = self.options.clone();
         let fitted = Retargeting::new(&robot.inner, &self.map, &self.capture, options);
         let fitted = fitted.map_err(raise)?;

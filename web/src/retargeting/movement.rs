@@ -7,9 +7,10 @@ use wasm_bindgen::prelude::*;
 use super::{ClearRetargetingOptions, FOLLOWER_OPTIONS, Mapped, RetargetingOptions};
 use crate::arguments::NamedArguments;
 use crate::clip::Clip;
+use crate::error::{Exception, raise};
 use crate::robot::Robot;
 use crate::world::{CollisionModel, World};
-use crate::{object, raise, view};
+use crate::{object, view};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -96,7 +97,7 @@ fn solve(
     let progress = match options.get("progress") {
         None => None,
         Some(progress) => {
-            let not_a_function = |_| JsError::new("progress must be a function of (done, total)");
+            let not_a_function = |_| Exception::new("progress must be a function of (done, total)");
             Some(progress.dyn_into::<Function>().map_err(not_a_function)?)
         }
     };

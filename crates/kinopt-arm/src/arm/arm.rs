@@ -9,7 +9,7 @@ use super::rate_limits::RateLimits;
 use super::seed_table::SeedTable;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
-use super::{ArmError, QueryError};
+use super::{ArmError, PoseBounds, QueryError};
 use crate::simd_ik::{LaneOptions, PoseSolver};
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::clock::Instant;
@@ -150,6 +150,26 @@ impl Arm {
     #[must_use]
     pub fn jerk_limits(&self) -> &[f64] {
         &self.rates.jerk
+    }
+
+    /// Goal bounds: the components of a pose that targets constrain.
+    #[must_use]
+    pub fn goal(&self) -> PoseBounds {
+        self.options.goal
+    }
+
+    /// Configuration sampled uniformly within the limits, one number per free joint, base to tip, radians or metres.
+    /// Equal seeds give equal configurations.
+    ///
+    /// A missing limit is replaced as in [`Model::random_configuration`](kinopt_kinematics::model::Model). The
+    /// configuration may be in collision.
+    #[must_use]
+    pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
+        let mut q = vec![0.0; self.joint_count()];
+        self.serial
+            .map
+            .gather(&self.serial.model.random_configuration(seed), &mut q);
+        q
     }
 
     /// Number of free joints, the length of a configuration.

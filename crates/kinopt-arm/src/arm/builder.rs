@@ -12,7 +12,7 @@ use super::serial_chain::{Serial, source_of};
 use super::{ArmError, PoseBounds};
 use crate::simd_ik::{LaneOptions, PoseSolver};
 use kinopt_kinematics::model::{
-    FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName,
+    FrameId, FrameRef, Joint, JointId, JointRef, Limits, Model, ParameterMap, UnknownName,
 };
 use kinopt_kinematics::spatial::Placement;
 use kinopt_robot::robot::{Mimic, coupled};
@@ -51,6 +51,7 @@ pub struct ArmBuilder<'m> {
     unknown_joint: Option<UnknownName>,
     tip_from_tool: Placement<f64>,
     locked: Vec<(JointId, f64)>,
+    narrowed: Vec<(JointId, Limits)>,
     only: Option<(Vec<JointId>, Vec<f64>)>,
     weights: Option<Vec<f64>>,
     options: Options,
@@ -73,6 +74,7 @@ impl<'m> ArmBuilder<'m> {
             unknown_joint: None,
             tip_from_tool: Placement::identity(),
             locked: Vec::new(),
+            narrowed: Vec::new(),
             only: None,
             weights: None,
             options: Options::default(),
@@ -243,6 +245,16 @@ impl ArmBuilder<'_> {
         self
     }
 
+    /// Narrows the position limits of a joint, radians or metres.
+    ///
+    /// [`build`](Self::build) returns an error for limits that are not within those of the model.
+    #[must_use]
+    pub fn with_joint_limits<'a>(mut self, joint: impl Into<JointRef<'a>>, limits: Limits) -> Self {
+        let joint = self.joint(joint);
+        self.narrowed.extend(joint.map(|joint| (joint, limits)));
+        self
+    }
+
     /// Frees only these joints; every other joint is locked at its value in `q_model`, as by
     /// [`with_locked`](Self::with_locked).
     ///
@@ -276,7 +288,7 @@ impl ArmBuilder<'_> {
     /// Returns an error for:
     /// - An unknown frame or joint, with the valid names.
     /// - The first option out of its range, by name.
-    /// - Locked values outside limits, or no free joint.
+    /// - Locked values outside limits, joint limits outside those of the model, or no free joint.
     /// - A joint that moves a loop of the model.
     pub fn build(self) -> Result<Arm, ArmError> {
         let (parts, name) = self.kinematic_chain()?;
@@ -328,6 +340,20 @@ impl ArmBuilder<'_> {
             return Err(unknown.clone().into());
         }
         let mut map = coupled(self.model, self.mimic_joints);
+        for &(joint, given) in &self.narrowed {
+            let Joint { name, limits, .. } = &self.model.joints()[joint.index()];
+            let is_within = limits.lower <= given.lower
+                && given.lower <= given.upper
+                && given.upper <= limits.upper;
+            if !is_within {
+                return Err(ArmError::JointLimits {
+                    joint: name.clone(),
+                    given,
+                    limits: *limits,
+                });
+            }
+            map = map.with_narrowed(joint, given);
+        }
         for &(joint, value) in &self.locked {
             map = map.with_locked(joint, value);
         }

@@ -1,5 +1,7 @@
 //! Construction of arms: from a model, and from another arm with another tool, goal, search or default start.
 
+use std::time::Duration;
+
 use super::arm::Arm;
 use super::arm_model::ArmModel;
 use super::builder::{ArmBuilder, Base, check_tool};
@@ -90,6 +92,26 @@ impl Arm {
     pub fn with_search(&self, search: Search) -> Result<Self, ArmError> {
         let mut options = self.options.clone();
         options.search = search;
+        options.check(&self.joints().collect::<Vec<_>>())?;
+        with_chain(self, self.serial.clone(), options)
+    }
+
+    /// The same arm with another time limit of a query and other largest motions of the joints, which shares the seed
+    /// atlas.
+    ///
+    /// See [`with_time_limit`](ArmBuilder::with_time_limit) and [`with_max_move`](ArmBuilder::with_max_move); `None` is no
+    /// bound.
+    ///
+    /// # Errors
+    /// Returns an error for motions that are NaN or negative, or of another number than joints.
+    pub fn with_query_bounds(
+        &self,
+        time_limit: Option<Duration>,
+        max_move: Option<&[f64]>,
+    ) -> Result<Self, ArmError> {
+        let mut options = self.options.clone();
+        options.time_limit = time_limit;
+        options.max_move = max_move.map(<[f64]>::to_vec);
         options.check(&self.joints().collect::<Vec<_>>())?;
         with_chain(self, self.serial.clone(), options)
     }

@@ -145,12 +145,6 @@ impl Arm {
         self.joint_count().saturating_sub(self.options.goal.rows())
     }
 
-    /// Bounds of the pose's components.
-    #[must_use]
-    pub(crate) fn goal(&self) -> kinopt_solver::task::PoseBounds {
-        self.options.goal
-    }
-
     /// Flags of the prismatic joints.
     pub(crate) fn slides(&self) -> Vec<bool> {
         let (model, map) = (&self.serial.model, &self.serial.map);

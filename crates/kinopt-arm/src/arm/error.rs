@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::simd_ik::LaneError;
 use kinopt_kinematics::bad_option::BadOption;
 use kinopt_kinematics::kinematics::KinematicsError;
-use kinopt_kinematics::model::{ModelError, UnknownName};
+use kinopt_kinematics::model::{Limits, ModelError, UnknownName};
 use kinopt_kinematics::spatial::RigidDefect;
 use kinopt_solver::problem::ProblemError;
 
@@ -44,6 +44,19 @@ pub enum ArmError {
         joint: String,
         /// Name of the loop.
         closed: String,
+    },
+    /// Joint limits are not within the limits of the model.
+    #[error(
+        "joint_limits of `{joint}` are [{}, {}], expected an interval within its limits [{}, {}]",
+        given.lower, given.upper, limits.lower, limits.upper
+    )]
+    JointLimits {
+        /// Name of the joint.
+        joint: String,
+        /// Given limits, radians or metres.
+        given: Limits,
+        /// Limits of the model.
+        limits: Limits,
     },
     /// An option is out of its range.
     #[error(transparent)]

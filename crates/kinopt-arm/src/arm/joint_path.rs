@@ -16,6 +16,8 @@ pub struct JointPath<R> {
     pub nq: usize,
     /// Jumps between rows, in order.
     pub jumps: Vec<JointJump>,
+    /// Rows that are not reached, or whose step is not proven collision-free, in order.
+    pub unreached: Vec<usize>,
     /// Errors of the path.
     pub report: R,
 }
@@ -39,6 +41,7 @@ impl<R> JointPath<R> {
             q: self.q,
             nq: self.nq,
             jumps: self.jumps,
+            unreached: self.unreached,
             report: (),
         };
         (path, self.report)

@@ -70,10 +70,13 @@ pub(super) fn follow<'a>(
     }
     let Track { solutions, jumps } = track;
     let rows = solutions.iter().flat_map(|solution| &solution.q);
+    let unreached = solutions.iter().enumerate();
+    let unreached = unreached.filter(|(_, solution)| !solution.reached);
     Ok(JointPath {
         q: rows.copied().collect(),
         nq: arm.joint_count(),
         jumps,
+        unreached: unreached.map(|(row, _)| row).collect(),
         report: solutions,
     })
 }

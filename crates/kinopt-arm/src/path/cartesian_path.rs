@@ -2,7 +2,7 @@
 
 use super::PathError;
 use super::linear_segment::interpolate;
-use kinopt_kinematics::spatial::Placement;
+use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// Order in which the points of a path are visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -22,8 +22,23 @@ pub enum Traversal {
 
 /// Cartesian path: points in the base frame of the arm, each a `base_from_tool`, metres.
 ///
-/// Between two points the tool moves linearly and rotates at a constant rate by the smaller angle. A
-/// [spline](Self::spline) also stores its distance from these segments.
+/// Between two points the tool moves linearly and rotates at a constant rate by the smaller angle. Arcs and splines also
+/// store their distance from these segments.
+///
+/// A path is a list of points, or begins at one point and continues by segments:
+///
+/// ```
+/// use kinopt::motion::path::CartesianPath;
+/// use kinopt::spatial::{Placement, Vector3};
+///
+/// let at = |x, y, z| Placement::translation(Vector3::new(x, y, z));
+/// let path = CartesianPath::new([at(0.4, 0.0, 0.5)])?
+///     .through(&[at(0.4, 0.0, 0.3), at(0.4, 0.2, 0.3)], 0.01)?
+///     .arc_through([0.5, 0.3, 0.3], at(0.4, 0.4, 0.3), 0.01)?
+///     .spline_through(&[at(0.3, 0.5, 0.4), at(0.3, 0.4, 0.5)], 0.01)?;
+/// assert_eq!(path.points().last(), Some(&at(0.3, 0.4, 0.5)));
+/// # Ok::<(), kinopt::motion::path::PathError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CartesianPath {
     pub(super) points: Vec<Placement<f64>>,
@@ -34,6 +49,8 @@ pub struct CartesianPath {
     /// Bound on the distance of the curve from the straight step to every point, metres; empty for straight steps.
     pub(super) bulges: Vec<f64>,
     pub(super) traversal: Traversal,
+    /// False if the points are positions, whose rotations have no meaning.
+    pub(super) oriented: bool,
 }
 
 impl CartesianPath {
@@ -57,6 +74,22 @@ impl CartesianPath {
             tools: Vec::new(),
             bulges: Vec::new(),
             traversal: Traversal::Open,
+            oriented: true,
+        })
+    }
+
+    /// Creates a path through positions in the base, metres, for arms whose goal leaves the orientation free.
+    ///
+    /// # Errors
+    /// Returns an error if there is no position, or if a position is not finite.
+    pub fn of_positions(
+        positions: impl IntoIterator<Item = Vector3<f64>>,
+    ) -> Result<Self, PathError> {
+        let points = positions.into_iter().map(Placement::translation);
+        let path = Self::new(points.collect::<Vec<_>>())?;
+        Ok(Self {
+            oriented: false,
+            ..path
         })
     }
 
@@ -105,9 +138,16 @@ impl CartesianPath {
 
     /// Transforms the path: every point p becomes `base_from_path` p.
     #[must_use]
-    pub fn moved(mut self, base_from_path: &Placement<f64>) -> Self {
+    pub fn moved(self, base_from_path: &Placement<f64>) -> Self {
+        self.map_points(|point| (*base_from_path * point).made_rigid())
+    }
+
+    /// Replaces every point by a rigid placement.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn map_points(mut self, map: impl Fn(Placement<f64>) -> Placement<f64>) -> Self {
         for point in &mut self.points {
-            *point = (*base_from_path * *point).made_rigid();
+            *point = map(*point);
         }
         self
     }
@@ -136,6 +176,23 @@ impl CartesianPath {
         Some(self.tools.as_slice()).filter(|tools| !tools.is_empty())
     }
 
+    /// Bounds on the distance of the curve from the straight step to each point, metres; empty for straight steps.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn bulges(&self) -> &[f64] {
+        &self.bulges
+    }
+
+    /// Sets the bounds of another path with the same points; none for straight steps.
+    #[doc(hidden)]
+    pub fn with_bulges(mut self, bulges: Vec<f64>) -> Result<Self, PathError> {
+        if !bulges.is_empty() {
+            self.check_count("bulges", bulges.len())?;
+        }
+        self.bulges = bulges;
+        Ok(self)
+    }
+
     fn check_count(&self, what: &'static str, given: usize) -> Result<(), PathError> {
         match given == self.points.len() {
             true => Ok(()),
@@ -158,6 +215,7 @@ impl CartesianPath {
             // The distances of the curve are only used for the report, which uses the original points.
             bulges: Vec::new(),
             traversal: self.traversal,
+            oriented: self.oriented,
         };
         let mut knot_indices = Vec::new();
         for knot in 0..self.points.len() + usize::from(closes) {
@@ -208,6 +266,7 @@ impl CartesianPath {
             },
             bulges,
             traversal: Traversal::Open,
+            oriented: self.oriented,
         }
     }
 }

@@ -30,7 +30,8 @@ pub enum QuaternionOrder {
 pub struct CsvColumns {
     /// Columns of x, y and z, metres.
     pub position: [usize; 3],
-    /// Columns of w, x, y and z; `None` if the file has positions only. All orientations are then the base's.
+    /// Columns of w, x, y and z; `None` if the file has positions only, which need an arm whose goal leaves the
+    /// orientation free.
     pub quaternion: Option<[usize; 4]>,
     /// Column of the time, seconds; `None` if the file has no times.
     pub time: Option<usize>,
@@ -219,6 +220,7 @@ impl Table {
 
     fn finish(self, mut columns: CsvColumns) -> Result<(CartesianPath, CsvColumns), PathError> {
         let mut path = CartesianPath::new(self.points)?;
+        path.oriented = columns.quaternion.is_some();
         if columns.tool.is_some() {
             path = path.with_tools(self.tools)?;
         }

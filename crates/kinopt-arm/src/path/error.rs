@@ -111,6 +111,36 @@ pub enum PathError {
         /// Index of the row.
         row: usize,
     },
+    /// Rows are not reached, or their steps are not proven collision-free.
+    #[error(
+        "{count} of {rows} rows are not reached or not proven collision-free, the first is row {first}: change the \
+         path, or allow unreached rows"
+    )]
+    Unreached {
+        /// Number of unreached rows.
+        count: usize,
+        /// Number of rows.
+        rows: usize,
+        /// Index of the first unreached row.
+        first: usize,
+    },
+    /// The points are positions, but the arm's goal bounds the orientation.
+    #[error(
+        "the path has positions without orientations, but the arm's goal bounds the orientation: give the arm the \
+         goal \"position\", or the points orientations"
+    )]
+    NoOrientations,
+    /// A path with times or tools of its points is extended.
+    #[error("a path with times or tools cannot be extended: set them after the last segment")]
+    Extended,
+    /// Start, via and end position of an arc are on one line.
+    #[error("start, via and end position of the arc are on one line: move the via position off it")]
+    StraightArc,
+    /// An even number of points does not define arcs.
+    #[error(
+        "arcs through {0} points: an odd number is needed, because each arc has a via position and an end"
+    )]
+    ArcKeys(usize),
     /// The given start or end configuration does not reach the path's first or last point.
     #[error(
         "the {which} configuration does not reach the path's {which} point: its tool is {metres:.2e} m and \

@@ -8,6 +8,9 @@ use kinopt_kinematics::bad_option::{AT_LEAST_ONE, BadOption, POSITIVE};
 impl PathSolver<'_> {
     pub(super) fn check(&self, path: &CartesianPath) -> Result<(), PathError> {
         self.tools.check(&path.tools)?;
+        if !path.oriented && self.tools.bound_orientation() {
+            return Err(PathError::NoOrientations);
+        }
         BadOption::check("max_step", self.max_step, POSITIVE)?;
         BadOption::check("samples", self.samples as f64, AT_LEAST_ONE)?;
         let in_range = (4..=4096).contains(&self.samples);

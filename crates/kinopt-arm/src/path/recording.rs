@@ -64,6 +64,11 @@ impl PathSolver<'_> {
                 }
             }
         }
+        let missed = solution.report.missed.iter().map(|missed| missed.index);
+        let blocked = solution.report.blocked.iter().map(|blocked| blocked.index);
+        solution.unreached = missed.chain(blocked).collect();
+        solution.unreached.sort_unstable();
+        solution.unreached.dedup();
         solution.report.largest_deviation = deviation::largest(&self.tools, path, &steps)?;
         Ok(solution)
     }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::{CartesianPath, PathError};
 use kinopt_kinematics::bad_option::{AT_LEAST_ONE, BadOption};
 use kinopt_kinematics::curve::{Hermite, KeyedCurve};
-use kinopt_kinematics::spatial::{Placement, Quaternion, rotation_exp};
+use kinopt_kinematics::spatial::Placement;
 
 impl CartesianPath {
     /// Creates a spline through keys (`base_from_tool`), sampled in `steps` uniform steps per segment, at least 1.
@@ -38,37 +38,32 @@ impl CartesianPath {
         };
         let positions = keys.iter().map(|key| key.translation.into());
         let curve = KeyedCurve::<DVec3>::catmull_rom(times, positions.collect())?;
-        let mut path = Self {
-            points: vec![keys[0]],
-            times: key_times
-                .map(|times| times[..1].to_vec())
-                .unwrap_or_default(),
-            tools: Vec::new(),
-            bulges: vec![0.0],
-            traversal: keyed.traversal,
-        };
+        let mut path = Self::new(keys[..1].to_vec())?;
+        if key_times.is_some() {
+            path.times.extend(curve.times().first());
+        }
         for (ends, (segment, times)) in keys.windows(2).zip(curve.cubics()) {
-            let [from, to] = [ends[0], ends[1]];
-            let rotation =
-                Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
-            for step in 1..=steps {
-                let fraction = step as f64 / steps as f64;
-                let point = Placement::new(
-                    from.rotation * rotation_exp(rotation * fraction),
-                    segment.position(fraction).into(),
-                );
-                path.points.push(match step == steps {
-                    true => to,
-                    false => point.made_rigid(),
-                });
-                let before = (step - 1) as f64 / steps as f64;
-                path.bulges.push(bulge(&segment, before, fraction));
-                if key_times.is_some() {
-                    path.times.push(times[0] + fraction * (times[1] - times[0]));
-                }
+            path.append_cubic(&segment, ends[1], steps);
+            if key_times.is_some() {
+                let fractions = (1..=steps).map(|step| step as f64 / steps as f64);
+                let times = fractions.map(|fraction| times[0] + fraction * (times[1] - times[0]));
+                path.times.extend(times);
             }
         }
         Ok(path)
+    }
+
+    /// Appends a cubic segment from the last point to `to`, in `steps` uniform steps.
+    pub(super) fn append_cubic(
+        &mut self,
+        segment: &Hermite<DVec3>,
+        to: Placement<f64>,
+        steps: usize,
+    ) {
+        self.append_segment(to, steps, |fraction, before| {
+            let bulge = bulge(segment, before, fraction);
+            (segment.position(fraction).into(), bulge)
+        });
     }
 }
 

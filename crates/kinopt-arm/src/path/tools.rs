@@ -44,6 +44,11 @@ impl<'a> Tools<'a> {
         }
     }
 
+    /// Returns true if the goal of an arm bounds the orientation.
+    pub(super) fn bound_orientation(&self) -> bool {
+        self.arms.iter().any(|arm| arm.goal().has_orientation())
+    }
+
     /// Solves each target from its start with the tool of its knot.
     pub(super) fn continue_all(
         &self,

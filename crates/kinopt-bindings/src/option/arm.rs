@@ -1,10 +1,12 @@
 //! Options of an arm.
 
+use kinopt::Model;
 use kinopt::arm::ArmBuilder;
+use kinopt::model::Limits;
 
-use super::{OptionSpec, Setter};
+use super::{Joints, OptionSpec, Setter};
 use crate::names::{SEARCHES, named};
-use crate::value::{Arguments, ErrorOf, Value};
+use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 
 /// Options that are objects of the interface, or belong to one.
 pub const OBJECTS: [&str; 4] = ["collision_model", "margin", "srdf", "world"];
@@ -13,7 +15,7 @@ pub const OBJECTS: [&str; 4] = ["collision_model", "margin", "srdf", "world"];
 ///
 /// Those with [`Setter::Elsewhere`] are objects of the interface, except `only` and `held`: see [`apply`].
 #[must_use]
-pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
+pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 24] {
     [
         OptionSpec {
             name: "attempts",
@@ -43,7 +45,7 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
         OptionSpec {
             name: "goal",
             set: Setter::PoseBounds(ArmBuilder::with_goal),
-            doc: "goal bounds, a `PoseBounds`.",
+            doc: "goal bounds, a `PoseBounds`, \"pose\" or \"position\".",
             default: "the full pose",
         },
         OptionSpec {
@@ -60,9 +62,22 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
             default: "2600, or none if `attempts` is given",
         },
         OptionSpec {
+            name: "joint_limits",
+            set: Setter::Ranges(|arm, limits| {
+                let narrow =
+                    |arm: ArmBuilder<'m>, (joint, (lower, upper)): (String, (f64, f64))| {
+                        arm.with_joint_limits(&joint, Limits::new(lower, upper))
+                    };
+                limits.into_iter().fold(arm, narrow)
+            }),
+            doc: "narrower position limits, {joint: (lower, upper)}, radians or metres, within those of the robot.",
+            default: "those of the robot",
+        },
+        OptionSpec {
             name: "joint_weights",
-            set: Setter::Numbers(|arm, weights| arm.with_joint_weights(&weights)),
-            doc: "weight of a radian or metre of each joint in joint distances, shape (dof,), above 0.",
+            set: Setter::PerJoint(|arm, weights| arm.with_joint_weights(&weights), Some(1.0)),
+            doc: "weight of a radian or metre of each joint in joint distances, above 0: shape (dof,), a number, or \
+                  {joint: weight}.",
             default: "1 each",
         },
         OptionSpec {
@@ -90,8 +105,12 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
         },
         OptionSpec {
             name: "max_move",
-            set: Setter::Numbers(|arm, max_move| arm.with_max_move(&max_move)),
-            doc: "largest displacement of each joint from its start, shape (dof,), radians or metres; a hard bound.",
+            set: Setter::PerJoint(
+                |arm, max_move| arm.with_max_move(&max_move),
+                Some(f64::INFINITY),
+            ),
+            doc: "largest displacement of each joint from its start, radians or metres, a hard bound: shape (dof,), a \
+                  number, or {joint: displacement}.",
             default: "inf",
         },
         OptionSpec {
@@ -120,8 +139,8 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
         },
         OptionSpec {
             name: "posture",
-            set: Setter::Numbers(|arm, posture| arm.with_posture(&posture)),
-            doc: "nominal posture of a redundant arm, shape (dof,), radians or metres.",
+            set: Setter::PerJoint(|arm, posture| arm.with_posture(&posture), None),
+            doc: "nominal posture of a redundant arm, shape (dof,) or {joint: position}, radians or metres.",
             default: "none",
         },
         OptionSpec {
@@ -167,23 +186,38 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
     ]
 }
 
-/// Applies all given options to a builder; objects of the interface are applied by the caller. `neutral` is the default
-/// of `held`.
+/// Applies all given options to the builder of an arm of `model`; objects of the interface are applied by the caller.
 ///
 /// # Errors
 /// If an option has another type, or names an unknown value.
 pub fn apply<'m, A: Arguments>(
     builder: ArmBuilder<'m>,
     arguments: &A,
-    neutral: &[f64],
+    model: &Model,
 ) -> Result<ArmBuilder<'m>, ErrorOf<A>> {
-    let builder = super::apply(arguments, &options(), builder)?;
-    let Some(only) = arguments.get("only")? else {
+    let mut builder = super::apply(arguments, &options(), builder)?;
+    if let Some(only) = arguments.get("only")? {
+        let joints = only.names("only")?;
+        builder = match arguments.get("held")? {
+            Some(held) => builder.with_only(&joints, &held.numbers("held")?),
+            None => builder.with_only(&joints, &model.neutral()),
+        };
+    }
+    let mut is_given = false;
+    for option in &options() {
+        let is_per_joint = matches!(option.set, Setter::PerJoint(..));
+        is_given |= is_per_joint && arguments.get(option.name)?.is_some();
+    }
+    if !is_given {
         return Ok(builder);
+    }
+    let joints = builder.joints().or_raise::<A::Value>()?.into_iter();
+    let names: Vec<String> = joints
+        .map(|joint| model.joints()[joint.index()].name.clone())
+        .collect();
+    let joints = Joints {
+        names: &names,
+        start: &[],
     };
-    let joints = only.names("only")?;
-    Ok(match arguments.get("held")? {
-        Some(held) => builder.with_only(&joints, &held.numbers("held")?),
-        None => builder.with_only(&joints, neutral),
-    })
+    joints.apply(arguments, &options(), builder)
 }

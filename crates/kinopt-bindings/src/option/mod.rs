@@ -12,10 +12,12 @@ pub mod solver;
 
 use std::time::Duration;
 
+use kinopt::Arm;
 use kinopt::model::UnknownName;
 use kinopt::spatial::Placement;
 use kinopt::task::PoseBounds;
 
+use crate::per_joint::{configuration, per_joint};
 use crate::value::{Arguments, ErrorOf, OrRaise, Ranges, Value};
 
 /// An option of `B`, the object that it is set on.
@@ -42,6 +44,10 @@ pub enum Setter<B> {
     Number(fn(B, f64) -> B),
     /// A list of numbers.
     Numbers(fn(B, Vec<f64>) -> B),
+    /// One number for each joint; one number counts for all joints, and joints that a map omits have the default.
+    PerJoint(fn(B, Vec<f64>) -> B, Option<f64>),
+    /// A configuration; joints that a map omits are at the default start.
+    Configuration(fn(B, Vec<f64>) -> B),
     /// A time limit in seconds.
     TimeLimit(fn(B, Duration) -> B),
     /// A placement.
@@ -66,7 +72,55 @@ impl<B> OptionSpec<B> {
     }
 }
 
-/// Applies all given options of a table to `target`.
+/// Joints of the object that options are set on.
+pub struct Joints<'a> {
+    /// Names of the joints.
+    pub names: &'a [String],
+    /// Default start configuration.
+    pub start: &'a [f64],
+}
+
+impl Joints<'_> {
+    /// Calls a function with the joints of an arm.
+    pub fn of_arm<T>(arm: &Arm, call: impl FnOnce(&Joints<'_>) -> T) -> T {
+        let names: Vec<String> = arm.joints().map(str::to_owned).collect();
+        call(&Joints {
+            names: &names,
+            start: arm.default_start(),
+        })
+    }
+
+    /// Applies all given options with numbers for each joint to `target`.
+    ///
+    /// # Errors
+    /// If an option has another type, or names an unknown joint.
+    pub fn apply<A: Arguments, B>(
+        &self,
+        arguments: &A,
+        options: &[OptionSpec<B>],
+        mut target: B,
+    ) -> Result<B, ErrorOf<A>> {
+        for option in options {
+            let what = &A::Value::label(option.name);
+            let (set, default) = match option.set {
+                Setter::PerJoint(set, default) => (set, Some(default)),
+                Setter::Configuration(set) => (set, None),
+                _ => continue,
+            };
+            let Some(value) = arguments.get(option.name)? else {
+                continue;
+            };
+            let numbers = match default {
+                Some(default) => per_joint(&value, what, self.names, default)?,
+                None => configuration(&value, what, self.names, self.start)?,
+            };
+            target = set(target, numbers);
+        }
+        Ok(target)
+    }
+}
+
+/// Applies all given options of a table to `target`, except those with numbers for each joint: see [`Joints::apply`].
 ///
 /// # Errors
 /// If an option has another type, or names an unknown value.
@@ -103,7 +157,7 @@ fn set<V: Value, B>(option: &OptionSpec<B>, value: &V, target: B) -> Result<B, V
         }
         Setter::Ranges(set) => set(target, value.ranges(what)?),
         Setter::Named(set) => set(target, &value.word(what)?).or_raise::<V>()?,
-        Setter::Elsewhere => target,
+        Setter::PerJoint(..) | Setter::Configuration(_) | Setter::Elsewhere => target,
     })
 }
 

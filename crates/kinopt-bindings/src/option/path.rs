@@ -4,7 +4,7 @@ use kinopt::Arm;
 use kinopt::arm::JointPath;
 use kinopt::motion::path::{CartesianPath, PathReport, PathSolver, Traversal};
 
-use super::{OptionSpec, Setter};
+use super::{Joints, OptionSpec, Setter};
 use crate::names::named;
 use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 
@@ -73,7 +73,7 @@ pub fn options() -> [OptionSpec<PathOptions>; 10] {
         },
         OptionSpec {
             name: "start",
-            set: Setter::Numbers(|options, q| PathOptions {
+            set: Setter::Configuration(|options, q| PathOptions {
                 start: Some(q),
                 ..options
             }),
@@ -82,7 +82,7 @@ pub fn options() -> [OptionSpec<PathOptions>; 10] {
         },
         OptionSpec {
             name: "end",
-            set: Setter::Numbers(|options, q| PathOptions {
+            set: Setter::Configuration(|options, q| PathOptions {
                 end: Some(q),
                 ..options
             }),
@@ -91,10 +91,13 @@ pub fn options() -> [OptionSpec<PathOptions>; 10] {
         },
         OptionSpec {
             name: "joint_weights",
-            set: Setter::Numbers(|options, weights| PathOptions {
-                joint_weights: Some(weights),
-                ..options
-            }),
+            set: Setter::PerJoint(
+                |options, weights| PathOptions {
+                    joint_weights: Some(weights),
+                    ..options
+                },
+                Some(1.0),
+            ),
             doc: "weight of a radian or metre of each joint in lengths.",
             default: "those of the arm",
         },
@@ -150,12 +153,13 @@ pub fn options() -> [OptionSpec<PathOptions>; 10] {
 }
 
 impl PathOptions {
-    /// Reads the options except tools.
+    /// Reads the options of a path of an arm, except tools.
     ///
     /// # Errors
-    /// If an option has another type, or names an unknown value.
-    pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
-        super::apply(arguments, &options(), Self::default())
+    /// If an option has another type, or names an unknown value or joint.
+    pub fn of<A: Arguments>(arguments: &A, arm: &Arm) -> Result<Self, ErrorOf<A>> {
+        let read = super::apply(arguments, &options(), Self::default())?;
+        Joints::of_arm(arm, |joints| joints.apply(arguments, &options(), read))
     }
 
     /// The path with the times, tools and traversal of the options.

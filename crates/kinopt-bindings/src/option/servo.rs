@@ -1,8 +1,9 @@
 //! Options of a servo.
 
+use kinopt::Arm;
 use kinopt::arm::Servo;
 
-use super::{OptionSpec, Setter};
+use super::{Joints, OptionSpec, Setter};
 use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 
 /// Options of a servo, as given; `None` is the default.
@@ -30,47 +31,62 @@ pub fn options() -> [OptionSpec<ServoOptions>; 7] {
     [
         OptionSpec {
             name: "velocity_limits",
-            set: Setter::Numbers(|options, limits| ServoOptions {
-                velocity_limits: Some(limits),
-                ..options
-            }),
-            doc: "shape (dof,), rad/s or m/s, inf for none. They hold in every cycle for the differences of the \
+            set: Setter::PerJoint(
+                |options, limits| ServoOptions {
+                    velocity_limits: Some(limits),
+                    ..options
+                },
+                None,
+            ),
+            doc: "a number or shape (dof,), rad/s or m/s, inf for none. They hold in every cycle for the differences of the \
                   commanded positions.",
             default: "those of the robot's files",
         },
         OptionSpec {
             name: "acceleration_limits",
-            set: Setter::Numbers(|options, limits| ServoOptions {
-                acceleration_limits: Some(limits),
-                ..options
-            }),
-            doc: "shape (dof,), rad/s² or m/s², inf for none.",
+            set: Setter::PerJoint(
+                |options, limits| ServoOptions {
+                    acceleration_limits: Some(limits),
+                    ..options
+                },
+                None,
+            ),
+            doc: "a number or shape (dof,), rad/s² or m/s², inf for none.",
             default: "those of the robot's files",
         },
         OptionSpec {
             name: "jerk_limits",
-            set: Setter::Numbers(|options, limits| ServoOptions {
-                jerk_limits: Some(limits),
-                ..options
-            }),
-            doc: "shape (dof,), rad/s³ or m/s³, inf for none.",
+            set: Setter::PerJoint(
+                |options, limits| ServoOptions {
+                    jerk_limits: Some(limits),
+                    ..options
+                },
+                None,
+            ),
+            doc: "a number or shape (dof,), rad/s³ or m/s³, inf for none.",
             default: "those of the robot's files",
         },
         OptionSpec {
             name: "velocity",
-            set: Setter::Numbers(|options, velocity| ServoOptions {
-                velocity: Some(velocity),
-                ..options
-            }),
+            set: Setter::PerJoint(
+                |options, velocity| ServoOptions {
+                    velocity: Some(velocity),
+                    ..options
+                },
+                Some(0.0),
+            ),
             doc: "shape (dof,), velocity at the start, rad/s or m/s.",
             default: "at rest",
         },
         OptionSpec {
             name: "acceleration",
-            set: Setter::Numbers(|options, acceleration| ServoOptions {
-                acceleration: Some(acceleration),
-                ..options
-            }),
+            set: Setter::PerJoint(
+                |options, acceleration| ServoOptions {
+                    acceleration: Some(acceleration),
+                    ..options
+                },
+                Some(0.0),
+            ),
             doc: "shape (dof,), acceleration at the start, rad/s² or m/s².",
             default: "0",
         },
@@ -98,12 +114,13 @@ pub fn options() -> [OptionSpec<ServoOptions>; 7] {
 }
 
 impl ServoOptions {
-    /// Reads the options.
+    /// Reads the options of a servo of an arm.
     ///
     /// # Errors
-    /// If an option has another type.
-    pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
-        super::apply(arguments, &options(), Self::default())
+    /// If an option has another type, or names an unknown joint.
+    pub fn of<A: Arguments>(arguments: &A, arm: &Arm) -> Result<Self, ErrorOf<A>> {
+        let read = super::apply(arguments, &options(), Self::default())?;
+        Joints::of_arm(arm, |joints| joints.apply(arguments, &options(), read))
     }
 
     /// Applies the options to a servo.

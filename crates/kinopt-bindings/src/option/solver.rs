@@ -36,6 +36,33 @@ pub struct SolverOptions {
 pub fn options() -> [OptionSpec<SolverOptions>; 9] {
     [
         OptionSpec {
+            name: "attempts",
+            set: Setter::LongWhole(|options, attempts| SolverOptions {
+                attempts: Some(attempts),
+                ..options
+            }),
+            doc: "largest number of attempts, including the one from the given start, at least 1.",
+            default: "32; 512 for a body on a free base with few more variables than equations",
+        },
+        OptionSpec {
+            name: "seed",
+            set: Setter::LongWhole(|options, seed| SolverOptions {
+                seed: Some(seed),
+                ..options
+            }),
+            doc: "seed of random starts.",
+            default: "0",
+        },
+        OptionSpec {
+            name: "time_limit",
+            set: Setter::TimeLimit(|options, limit| SolverOptions {
+                time_limit: Some(limit),
+                ..options
+            }),
+            doc: "time limit of all attempts together, seconds; results then depend on the machine.",
+            default: "none",
+        },
+        OptionSpec {
             name: "max_iterations",
             set: Setter::LongWhole(|options, steps| SolverOptions {
                 max_iterations: Some(steps),
@@ -43,6 +70,15 @@ pub fn options() -> [OptionSpec<SolverOptions>; 9] {
             }),
             doc: "largest number of steps of an attempt.",
             default: "200; 500 sweeps of the geometric methods",
+        },
+        OptionSpec {
+            name: "agreeing",
+            set: Setter::LongWhole(|options, attempts| SolverOptions {
+                agreeing: Some(attempts),
+                ..options
+            }),
+            doc: "number of attempts that stop at the same lowest cost before the search ends, at least 1.",
+            default: "all; 3 with soft tasks",
         },
         OptionSpec {
             name: "gradient_tolerance",
@@ -67,42 +103,6 @@ pub fn options() -> [OptionSpec<SolverOptions>; 9] {
             set: Setter::Elsewhere,
             doc: "number of steps in which the cost must halve, at least 1.",
             default: "unlimited; 60 for the geometric methods",
-        },
-        OptionSpec {
-            name: "time_limit",
-            set: Setter::TimeLimit(|options, limit| SolverOptions {
-                time_limit: Some(limit),
-                ..options
-            }),
-            doc: "time limit of all attempts together, seconds; results then depend on the machine.",
-            default: "none",
-        },
-        OptionSpec {
-            name: "attempts",
-            set: Setter::LongWhole(|options, attempts| SolverOptions {
-                attempts: Some(attempts),
-                ..options
-            }),
-            doc: "largest number of attempts, including the one from the given start, at least 1.",
-            default: "32; 512 for a body on a free base with few more variables than equations",
-        },
-        OptionSpec {
-            name: "seed",
-            set: Setter::LongWhole(|options, seed| SolverOptions {
-                seed: Some(seed),
-                ..options
-            }),
-            doc: "seed of random starts.",
-            default: "0",
-        },
-        OptionSpec {
-            name: "agreeing",
-            set: Setter::LongWhole(|options, attempts| SolverOptions {
-                agreeing: Some(attempts),
-                ..options
-            }),
-            doc: "number of attempts that stop at the same lowest cost before the search ends, at least 1.",
-            default: "all; 3 with soft tasks",
         },
         OptionSpec {
             name: "restart_steps",

@@ -21,9 +21,10 @@ use super::interval::Interval;
 use super::methods;
 use super::number_list::{self, Numbers, above_zero, checked, from_zero, limited};
 use super::start::{self, Start};
-use super::target::{FrameTarget, RayTarget, placement};
+use super::target::{FrameTarget, RayTarget};
 use super::text::{text, texts};
 use crate::names::{self, AXES, MIMIC_LIMITS, Names};
+use crate::placement::PoseTarget;
 
 /// Reading of a model's file, and its joints.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -437,5 +438,5 @@ fn placements<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Placement<f
 fn placed(numbers: Vec<f64>) -> Result<Placement<f64>, String> {
     let numbers = numbers.into_iter().map(limited);
     let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-    Ok(placement(&numbers)?.0)
+    Ok(PoseTarget::of_numbers(&numbers)?.placement)
 }

@@ -2,13 +2,11 @@
 
 use std::str::FromStr;
 
-use kinopt::spatial::{Placement, Quaternion, Vector3};
+use kinopt::spatial::Placement;
 
 use super::number_list::{between_commas, parse_exactly};
 use super::text::named;
-
-/// Largest deviation of a typed quaternion's length from 1; the quaternion is normalised.
-pub const QUATERNION_LENGTH_TOLERANCE: f64 = 0.01;
+use crate::placement::PoseTarget;
 
 /// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`; without `FRAME=` it is of the tip.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,35 +39,18 @@ impl FromStr for FrameTarget {
                 .map(|(frame, numbers)| (Some(frame), numbers))?,
             false => (None, text),
         };
-        let (placement, turns) = placement(&between_commas(numbers)?)?;
+        let target = PoseTarget::of_numbers(&between_commas(numbers)?)?;
         Ok(Self {
             frame,
-            placement,
-            turns,
+            placement: target.placement,
+            turns: target.has_orientation,
         })
     }
 }
 
 /// Parses `x,y,z` or `x,y,z,qw,qx,qy,qz`.
 pub fn parse_placement(text: &str) -> Result<Placement<f64>, String> {
-    Ok(placement(&between_commas(text)?)?.0)
-}
-
-/// Placement of a position and an optional quaternion, w first. The flag is true if there is a quaternion.
-pub fn placement(numbers: &[f64]) -> Result<(Placement<f64>, bool), String> {
-    match *numbers {
-        [x, y, z] => Ok((Placement::translation(Vector3::new(x, y, z)), false)),
-        [x, y, z, qw, qx, qy, qz] => {
-            let [w, i, j, k] = normalised([qw, qx, qy, qz])?;
-            let v = Vector3::new(i, j, k);
-            let rotation = Quaternion { w, v }.to_matrix();
-            Ok((Placement::new(rotation, Vector3::new(x, y, z)), true))
-        }
-        _ => Err(format!(
-            "a placement takes 3 numbers (x,y,z) or 7 (x,y,z,qw,qx,qy,qz), not {}",
-            numbers.len()
-        )),
-    }
+    Ok(PoseTarget::of_numbers(&between_commas(text)?)?.placement)
 }
 
 impl FromStr for RayTarget {
@@ -92,15 +73,4 @@ impl FromStr for RayTarget {
             through,
         })
     }
-}
-
-/// Normalised quaternion, w first; an error if its length is not near 1.
-fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
-    let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if (length - 1.0).abs() <= QUATERNION_LENGTH_TOLERANCE {
-        return Ok(quaternion.map(|c| c / length));
-    }
-    Err(format!(
-        "the quaternion (w,x,y,z) has length {length:.6}; expected 1"
-    ))
 }

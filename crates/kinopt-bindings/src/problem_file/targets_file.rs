@@ -7,8 +7,8 @@ use serde_json::Value as Json;
 
 use super::number_list::MAX_NUMBER;
 use super::of_file;
-use super::target::placement;
 use crate::json::JsonError;
+use crate::placement::PoseTarget;
 use crate::value::Value;
 
 /// Content of a file of targets.
@@ -55,8 +55,9 @@ impl TargetsFile {
             ));
         }
         let targets = rows.iter().enumerate().map(|(index, row)| {
-            let target = placement(row).map_err(|problem| format!("targets[{index}]: {problem}"));
-            target.map(|(target, _)| target)
+            let target = PoseTarget::of_numbers(row);
+            let target = target.map_err(|problem| format!("targets[{index}]: {problem}"));
+            target.map(|target| target.placement)
         });
         let targets = targets.collect::<Result<Vec<_>, _>>()?;
         let given = |key: &str| document.get(key).filter(|value| !value.is_null());

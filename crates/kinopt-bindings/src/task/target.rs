@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use kinopt::SizeMismatch;
 use kinopt::ik::Drag;
 use kinopt::problem::{ProblemError, Targets, TaskId};
-use kinopt::spatial::{Matrix3, Placement};
+use kinopt::spatial::Matrix3;
 #[cfg(feature = "bodies")]
 use kinopt::task::{
     Bounded, CentreOfMass, FrameVelocity, JointCoupling, Manipulability, SupportPolygon,
@@ -16,6 +16,7 @@ use kinopt::task::{
 };
 
 use crate::error::ErrorKind;
+use crate::placement::PoseTarget;
 use crate::value::{OrRaise, Value};
 
 /// A target in Rust form.
@@ -37,6 +38,11 @@ pub trait Target: Residual {
     /// # Errors
     /// If the target has another number of elements.
     fn aim(&mut self, goal: &Self::Goal) -> Result<(), SizeMismatch>;
+
+    /// Reason why the residual cannot have a target of this kind; `what` names the target.
+    fn misfit(&self, _goal: &Self::Goal, _what: &str) -> Option<String> {
+        None
+    }
 }
 
 /// A custom residual with a target that can be moved.
@@ -112,6 +118,9 @@ pub fn moved<V: Value, R: Target>(
     what: &str,
     separator: &str,
 ) -> Result<R, V::Error> {
+    if let Some(misfit) = residual.misfit(goal, what) {
+        return Err(V::error(ErrorKind::InvalidValue, misfit));
+    }
     let mut moved = residual.clone();
     let aimed = moved.aim(goal);
     aimed.map_err(|mismatch| V::wrong_length(what, &mismatch))?;
@@ -148,9 +157,9 @@ impl<V: Value> Goal<V> for [[f64; 3]; 2] {
     }
 }
 
-impl<V: Value> Goal<V> for Placement<f64> {
+impl<V: Value> Goal<V> for PoseTarget {
     fn read(value: &V, what: &str) -> Result<Self, V::Error> {
-        value.placement(what)
+        value.pose_target(what)
     }
 }
 
@@ -179,11 +188,15 @@ impl Target for Point {
 }
 
 impl Target for FramePose {
-    type Goal = Placement<f64>;
+    type Goal = PoseTarget;
 
     fn aim(&mut self, target: &Self::Goal) -> Result<(), SizeMismatch> {
-        self.set_target(*target);
+        self.set_target(target.placement);
         Ok(())
+    }
+
+    fn misfit(&self, target: &Self::Goal, what: &str) -> Option<String> {
+        target.within(&self.goal().unwrap_or_default(), what).err()
     }
 }
 
@@ -278,8 +291,9 @@ impl Target for LimitCentring {
 mod of_bodies {
     use super::{
         Bounded, CentreOfMass, FrameVelocity, Goal, JointCoupling, Manipulability, NoTarget,
-        Placement, SizeMismatch, SupportPolygon, Target, Value,
+        PoseTarget, SizeMismatch, SupportPolygon, Target, Value,
     };
+    use kinopt::task::PoseBounds;
 
     impl Target for CentreOfMass {
         type Goal = [f64; 3];
@@ -291,11 +305,15 @@ mod of_bodies {
     }
 
     impl Target for FrameVelocity {
-        type Goal = Placement<f64>;
+        type Goal = PoseTarget;
 
         fn aim(&mut self, previous: &Self::Goal) -> Result<(), SizeMismatch> {
-            self.set_previous(*previous);
+            self.set_previous(previous.placement);
             Ok(())
+        }
+
+        fn misfit(&self, previous: &Self::Goal, what: &str) -> Option<String> {
+            previous.within(&PoseBounds::pose(), what).err()
         }
     }
 
@@ -336,6 +354,10 @@ mod of_bodies {
 
         fn aim(&mut self, goal: &R::Goal) -> Result<(), SizeMismatch> {
             self.residual_mut().aim(goal)
+        }
+
+        fn misfit(&self, goal: &Self::Goal, what: &str) -> Option<String> {
+            self.residual().misfit(goal, what)
         }
     }
 }

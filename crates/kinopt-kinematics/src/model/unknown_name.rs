@@ -55,7 +55,7 @@ impl UnknownName {
     /// Up to three valid names that resemble the unknown one, most similar first.
     ///
     /// Names are similar if their letters and digits are equal without case, if one contains the other, or if few edits
-    /// separate them.
+    /// separate them. A name that has all words of the unknown one is similar too.
     #[must_use]
     pub fn suggestions(&self) -> Vec<&str> {
         let similar = self.similar_names().into_iter().take(MAX_SUGGESTIONS);
@@ -64,11 +64,10 @@ impl UnknownName {
 
     /// The valid names that resemble the unknown one, with their distances, nearest first.
     fn similar_names(&self) -> Vec<(usize, &str)> {
-        let requested = letters(&self.name);
         let mut similar: Vec<(usize, &str)> = self
             .valid
             .iter()
-            .filter_map(|valid| Some((distance(&requested, &letters(valid))?, valid.as_str())))
+            .filter_map(|valid| Some((distance(&self.name, valid)?, valid.as_str())))
             .collect();
         // A stable sort: equally near names stay in order.
         similar.sort_by_key(|(distance, _)| *distance);
@@ -129,7 +128,7 @@ impl fmt::Display for UnknownName {
 }
 
 /// The letters and digits of a name, in lower case: `Left_Hand` and `leftHand` are equal.
-fn letters(name: &str) -> Vec<char> {
+fn letters(name: &str) -> String {
     let letters = name.chars().filter(|c| c.is_alphanumeric());
     letters
         .flat_map(char::to_lowercase)
@@ -137,43 +136,52 @@ fn letters(name: &str) -> Vec<char> {
         .collect()
 }
 
-/// Distance between two spellings; `None` if they are too different.
-fn distance(requested: &[char], valid: &[char]) -> Option<usize> {
-    let (shorter, longer) = match requested.len() <= valid.len() {
-        true => (requested, valid),
-        false => (valid, requested),
-    };
-    if shorter.is_empty() {
-        return None;
+/// The words of a name, in lower case: `left_hand` and `LeftHand` have the words `left` and `hand`.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut last = ' ';
+    for letter in name.chars().take(MAX_COMPARED_LETTERS) {
+        let starts = letter.is_uppercase() && !last.is_uppercase()
+            || letter.is_numeric() != last.is_numeric();
+        if starts || !letter.is_alphanumeric() {
+            words.push(String::new());
+        }
+        if let (Some(word), true) = (words.last_mut(), letter.is_alphanumeric()) {
+            word.extend(letter.to_lowercase());
+        }
+        last = letter;
     }
-    let edit_distance = edit_distance(requested, valid);
-    if edit_distance <= 1 && longer.len() > 1 {
-        return Some(edit_distance);
-    }
-    if shorter.len() >= 3 && longer.windows(shorter.len()).any(|part| part == shorter) {
-        // Ranked after single typing errors, names with the fewest further letters first.
-        return Some(2 + longer.len() - shorter.len());
-    }
-    (edit_distance <= 1 + longer.len() / 5).then_some(1 + edit_distance)
+    words.retain(|word| !word.is_empty());
+    words
 }
 
-/// Edit distance of two words with insertion, deletion, substitution and transposition of neighbours.
+/// Distance between two names, the smaller the more similar; `None` if they are too different.
 ///
-/// Source: optimal string alignment.
-fn edit_distance(a: &[char], b: &[char]) -> usize {
-    let mut second_last: Vec<usize> = Vec::new();
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for (i, &x) in a.iter().enumerate() {
-        let mut row = vec![i + 1];
-        for (j, &y) in b.iter().enumerate() {
-            let substituted = last[j] + usize::from(x != y);
-            let mut cost = substituted.min(last[j + 1] + 1).min(row[j] + 1);
-            if i > 0 && j > 0 && x == b[j - 1] && a[i - 1] == y {
-                cost = cost.min(second_last[j - 1] + 1);
-            }
-            row.push(cost);
-        }
-        second_last = std::mem::replace(&mut last, row);
+/// Single typing errors come first, then names that contain the letters or all words of the other, then several typing
+/// errors.
+fn distance(requested: &str, valid: &str) -> Option<usize> {
+    let [requested_letters, valid_letters] = [requested, valid].map(letters);
+    let [requested_len, valid_len] =
+        [&requested_letters, &valid_letters].map(|letters| letters.chars().count());
+    let (shorter, longer) = (requested_len.min(valid_len), requested_len.max(valid_len));
+    if shorter == 0 {
+        return None;
     }
-    last[b.len()]
+    let edits = strsim::osa_distance(&requested_letters, &valid_letters);
+    if edits <= 1 && longer > 1 {
+        return Some(edits);
+    }
+    let is_part = shorter >= 3
+        && (requested_letters.contains(&valid_letters)
+            || valid_letters.contains(&requested_letters));
+    let [requested_words, valid_words] = [requested, valid].map(words);
+    let has_words = requested_words.len() > 1
+        && requested_words
+            .iter()
+            .all(|word| valid_words.contains(word));
+    if is_part || has_words {
+        // Names with the fewest further letters come first.
+        return Some(2 + longer - shorter);
+    }
+    (edits <= 1 + longer / 5).then_some(1 + edits)
 }

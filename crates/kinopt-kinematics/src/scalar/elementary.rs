@@ -12,6 +12,21 @@ pub use libm::{
     sincos as sin_cos, sinh,
 };
 
+/// Largest sine or cosine that is rounded to 0. Decimal numbers cannot state multiples of π/2 exactly.
+const QUARTER_TURN_TOLERANCE: f64 = 1e-15;
+
+/// Sine and cosine of an angle in radians, with exact zeros at multiples of π/2 so that axes stay aligned along a
+/// chain.
+#[doc(hidden)]
+pub fn clean_sin_cos(angle: f64) -> (f64, f64) {
+    let (sin, cos) = sin_cos(angle);
+    let clean = |value: f64| match value.abs() < QUARTER_TURN_TOLERANCE {
+        true => 0.0,
+        false => value,
+    };
+    (clean(sin), clean(cos))
+}
+
 /// Single precision, angles in radians.
 #[doc(hidden)]
 pub mod single {

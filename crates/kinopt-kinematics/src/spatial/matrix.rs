@@ -3,7 +3,7 @@
 use std::ops::Mul;
 
 use super::Vector3;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, elementary};
 
 /// A 3×3 matrix of scalars.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +103,20 @@ impl<S: Scalar> Matrix3<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn transpose_mul(self, v: Vector3<S>) -> Vector3<S> {
         Vector3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+}
+
+impl Matrix3<f64> {
+    /// Rotation from roll, pitch and yaw in radians about the fixed x, y and z axes, as in URDF: R_z(yaw) · R_y(pitch) ·
+    /// R_x(roll).
+    ///
+    /// Sines and cosines below 1e-15 are exact zeros, so that axes stay aligned at multiples of π/2.
+    #[must_use]
+    pub fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> Self {
+        Self::identity()
+            .rotated_about_z(elementary::clean_sin_cos(yaw))
+            .rotated_about_y(elementary::clean_sin_cos(pitch))
+            .rotated_about_x(elementary::clean_sin_cos(roll))
     }
 }
 

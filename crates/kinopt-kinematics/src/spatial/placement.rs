@@ -69,8 +69,8 @@ impl<S: Scalar> Placement<S> {
 
 impl Placement<f64> {
     /// Interpolates to another placement, from 0 (`self`) to 1 (`to`): along a straight line, about one axis of
-    /// rotation.
-    #[doc(hidden)]
+    /// rotation by the smaller angle.
+    #[must_use]
     pub fn interpolated(&self, to: &Self, share: f64) -> Self {
         let rotation_vector =
             Quaternion::from_matrix(&(self.rotation.transpose() * to.rotation)).log();

@@ -30,7 +30,7 @@ pub use mjcf::MjcfReader;
 #[cfg(feature = "xml")]
 pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, SrdfReader, VirtualJoint};
 #[cfg(feature = "urdf")]
-pub use urdf::UrdfReader;
+pub use urdf::{UrdfReader, with_origin_corrections};
 #[cfg(feature = "xml")]
 pub use xml::{ParseIssue, Repair, RepairKind, RobotFileError};
 

@@ -22,7 +22,7 @@ pub enum Step {
 /// Method for one step from x to a better x.
 ///
 /// The loop around it evaluates derivatives, counts, observes and stops. Other implementations are equal to those of
-/// this crate: `examples/own_method.rs` is Powell's dogleg in some 60 lines.
+/// this crate: `examples/rust/own_method.rs` is Powell's dogleg in some 60 lines.
 pub trait Method: Send + Sync + 'static {
     /// State and scratch memory that a method keeps from step to step of one search.
     type State: Clone + Debug + Default + Send + Sync + 'static;

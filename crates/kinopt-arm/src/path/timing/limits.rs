@@ -22,6 +22,7 @@ pub struct TimingLimits<'a> {
     joint_names: Vec<String>,
     pub(super) corner_tolerance: f64,
     pub(super) grid_points: usize,
+    pub(super) unreached_allowed: bool,
 }
 
 impl<'a> TimingLimits<'a> {
@@ -37,6 +38,7 @@ impl<'a> TimingLimits<'a> {
             joint_names: Vec::new(),
             corner_tolerance: 1e-3,
             grid_points: 1000,
+            unreached_allowed: false,
         }
     }
 
@@ -109,6 +111,14 @@ impl<'a> TimingLimits<'a> {
     #[must_use]
     pub fn with_corner_tolerance(mut self, distance: f64) -> Self {
         self.corner_tolerance = distance;
+        self
+    }
+
+    /// Sets whether paths with [unreached rows](crate::arm::JointPath::unreached) are timed. Default false: they are an
+    /// error, because the arm would miss points of its path or collide.
+    #[must_use]
+    pub fn with_unreached_allowed(mut self, allowed: bool) -> Self {
+        self.unreached_allowed = allowed;
         self
     }
 

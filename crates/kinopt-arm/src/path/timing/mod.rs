@@ -99,13 +99,21 @@ impl<R> JointPath<R> {
     /// # Errors
     /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
     /// joints. Returns an error for a row that is not finite, for tool limits without an arm, and for steps that no
-    /// finite acceleration limit bounds.
+    /// finite acceleration limit bounds. Returns an error for [unreached rows](Self::unreached), unless the limits
+    /// [allow them](TimingLimits::with_unreached_allowed).
     pub fn trajectory(
         &self,
         limits: &TimingLimits<'_>,
     ) -> Result<Trajectory<TimedSpline>, PathError> {
         let joint_count = self.nq;
         limits.check(joint_count)?;
+        if let (Some(&first), false) = (self.unreached.first(), limits.unreached_allowed) {
+            return Err(PathError::Unreached {
+                count: self.unreached.len(),
+                rows: self.rows().len(),
+                first,
+            });
+        }
         let rows: Vec<&[f64]> = match joint_count {
             0 => Vec::new(),
             _ => self.rows().collect(),

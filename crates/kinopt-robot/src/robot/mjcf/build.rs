@@ -9,9 +9,10 @@ use super::equality::{self, Coupling};
 use super::joint::{JointElement, JointType};
 use super::names::{self, ElementNames, FreshNames, WORLD};
 use super::orientation::direction;
-use crate::robot::xml::{ParseIssue, Read, Repair, RepairKind, RobotFileError, clean_sin_cos};
+use crate::robot::xml::{ParseIssue, Read, Repair, RepairKind, RobotFileError};
 use crate::robot::{DriveLimits, Mimic};
 use kinopt_kinematics::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
+use kinopt_kinematics::scalar::elementary::clean_sin_cos;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// A model under construction, and data that is stored next to it.

@@ -2,8 +2,9 @@
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
-use crate::robot::xml::{ParseIssue, Read, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{ParseIssue, Read, rotation_of_wxyz};
 use kinopt_kinematics::scalar::elementary;
+use kinopt_kinematics::scalar::elementary::clean_sin_cos;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// Notations of a rotation that override a `quat` of a default class.

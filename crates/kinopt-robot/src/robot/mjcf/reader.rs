@@ -14,7 +14,7 @@ use super::loops;
 use super::mesh;
 use super::passive;
 use super::tree::ElementTree;
-use crate::robot::xml::{ParseIssue, Read, Repair, RobotFileError};
+use crate::robot::xml::{ParseIssue, Read, Repair, RobotFileError, root_name};
 use crate::robot::{Link, Robot};
 use kinopt_kinematics::model::ModelBuilder;
 
@@ -86,6 +86,12 @@ impl Robot {
     /// As [`read_mjcf`](Self::read_mjcf).
     pub fn parse_mjcf(text: &str, file: &str) -> Result<Self, RobotFileError> {
         Self::mjcf_reader().parse(text, file)
+    }
+
+    /// Returns true for the text of an MJCF document: its root element is `mujoco`.
+    #[must_use]
+    pub fn is_mjcf(text: &str) -> bool {
+        root_name(text) == Some("mujoco")
     }
 
     /// Reads MJCF with options.

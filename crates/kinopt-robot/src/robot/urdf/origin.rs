@@ -1,7 +1,7 @@
 //! `<origin>`: poses, with rotations as roll-pitch-yaw angles or quaternions.
 
 use super::version::Version;
-use crate::robot::xml::{Element, ParseIssue, Read, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{Element, ParseIssue, Read, rotation_of_wxyz};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
 /// Pose from the child `<origin>` of an element; the identity without one.
@@ -14,7 +14,7 @@ pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f6
     let quaternion = origin.numbers::<4>("quat_xyzw")?;
     let bad = |problem| Err(origin.fault(ParseIssue::BadQuaternion { problem }));
     let rotation = match (rpy, quaternion) {
-        (rpy, None) => from_roll_pitch_yaw(rpy.unwrap_or_default()),
+        (rpy, None) => Matrix3::from_roll_pitch_yaw(rpy.unwrap_or_default()),
         _ if version < Version(1, 1) => return bad("needs <robot version=\"1.1\">"),
         (Some(_), Some(_)) => return bad("and `rpy` are both given"),
         // URDF orders quaternions as x, y, z, w.
@@ -24,15 +24,4 @@ pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f6
         },
     };
     Ok(Placement::new(rotation, Vector3::from(xyz)))
-}
-
-/// Rotation from roll, pitch and yaw in radians about the parent's fixed x, y and z axes: R = R_z(yaw) · R_y(pitch) ·
-/// R_x(roll).
-///
-/// Multiples of π/2 give exact zeros, within 1e-15 of the angles in the file, so that axes stay aligned along a chain.
-fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
-    Matrix3::identity()
-        .rotated_about_z(clean_sin_cos(yaw))
-        .rotated_about_y(clean_sin_cos(pitch))
-        .rotated_about_x(clean_sin_cos(roll))
 }

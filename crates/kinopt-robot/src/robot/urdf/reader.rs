@@ -90,7 +90,7 @@ impl UrdfReader {
     /// As [`Robot::read`].
     pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
         #[cfg(feature = "mjcf")]
-        if crate::robot::xml::root_name(text) == Some("mujoco") {
+        if Robot::is_mjcf(text) {
             let reader = Robot::mjcf_reader();
             let reader = if self.confined {
                 reader.confined()

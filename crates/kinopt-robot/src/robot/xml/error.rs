@@ -25,7 +25,7 @@ pub enum RobotFileError {
     },
     /// The file is a xacro macro file. It must be expanded by an external program.
     #[error(
-        "{file}:{line}: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`"
+        "{file}:{line}: this is xacro, not URDF: expand it first with `xacro IN > OUT.urdf` (`pip install xacro`; in Python `Robot.from_xacro`)"
     )]
     Xacro {
         /// Path or name as given.

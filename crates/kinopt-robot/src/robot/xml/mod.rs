@@ -25,4 +25,4 @@ pub(super) use parse::{parse, repaired_xml};
 pub(super) use reading::Reading;
 pub use repair::{Repair, RepairKind};
 #[cfg(any(feature = "mjcf", feature = "urdf"))]
-pub(super) use rotation::{clean_sin_cos, rotation_of_wxyz};
+pub(super) use rotation::rotation_of_wxyz;

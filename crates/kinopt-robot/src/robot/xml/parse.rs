@@ -76,7 +76,7 @@ fn with_prefix(text: &str, prefix: &str) -> Option<String> {
 }
 
 /// Name of the root element, from the start of the text only; `None` if there is none.
-#[cfg(all(feature = "mjcf", feature = "urdf"))]
+#[cfg(feature = "mjcf")]
 pub(crate) fn root_name(text: &str) -> Option<&str> {
     let mut rest = text.trim_start_matches('\u{feff}').trim_start();
     loop {

@@ -1,0 +1,229 @@
+//! Estimation: least squares with weights that are computed again from the residuals.
+
+use kinopt_kinematics::spatial::{Placement, Vector3};
+use kinopt_solver::solver::{
+    LeastSquares, LevenbergMarquardt, Silent, SolverState, Stopping, minimise,
+};
+use nalgebra::DMatrix;
+
+use super::Calibration;
+use super::calibrated::{Calibrated, Correction, ParameterEstimate, Rms};
+use super::measurements::{Measurements, Noise};
+use super::parameters::{Displacement, Place, parameters};
+use super::residuals::Residuals;
+
+/// Number of estimates of noise and weights.
+const ROUNDS: usize = 12;
+/// Noise before the first estimate.
+const INITIAL_NOISE: Noise = Noise {
+    position: 1e-3,
+    angle: 1e-3,
+};
+/// Smallest estimate of the noise, metres and radians: rounding of exact measurements.
+const MIN_NOISE: f64 = 1e-9;
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
+const MEDIAN_RATIO: f64 = 1.4826;
+/// Distances, in standard deviations of one row, beyond which a measurement of 3 or 6 rows counts half, and beyond which it
+/// is an outlier: the 95 % and 99.99 % quantiles of the chi distribution.
+const THRESHOLDS: [(usize, f64, f64); 2] = [(3, 2.80, 4.59), (6, 3.55, 5.27)];
+/// Ratio of a parameter's standard deviation to its prior above which it counts as not determined.
+const UNDETERMINED: f64 = 0.5;
+
+pub(super) fn estimate(
+    calibration: &Calibration,
+    configurations: &[f64],
+    measured: Measurements<'_>,
+) -> Calibrated {
+    let has_rotations = measured.has_rotations();
+    let parameters = parameters(&calibration.chain, &calibration.parameters, has_rotations);
+    let count = parameters.len();
+    let mut residuals = Residuals {
+        calibration,
+        configurations,
+        measured,
+        parameters: &parameters,
+        noise: calibration.noise.unwrap_or(INITIAL_NOISE),
+        weights: vec![1.0; measured.len()],
+        unbounded: [vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]],
+    };
+    let mut x = initial_base(&residuals, &vec![0.0; count]);
+    let before = rms(&residuals, &vec![0.0; count], &[]);
+    let mut state = SolverState::default();
+    for _ in 0..ROUNDS {
+        let (method, stopping) = (LevenbergMarquardt::default(), Stopping::default());
+        // Fails only for invalid settings and starts.
+        if minimise(
+            &mut residuals,
+            &method,
+            &x,
+            &stopping,
+            &mut Silent,
+            &mut state,
+        )
+        .is_ok()
+        {
+            x.copy_from_slice(state.x());
+        }
+        if calibration.noise.is_none() {
+            residuals.noise = noise(&residuals, &x);
+        }
+        if calibration.is_robust {
+            residuals.weights = weights(&residuals, &x);
+        }
+    }
+    let distances = distances(&residuals, &x);
+    let (_, _, outlier) = thresholds(measured.rows());
+    let outliers = (distances.iter().enumerate()).filter(|(_, distance)| **distance > outlier);
+    let outliers: Vec<usize> = outliers.map(|(index, _)| index).collect();
+    if !calibration.is_robust {
+        residuals.weights.fill(1.0);
+    }
+    finished(&mut residuals, &x, before, outliers)
+}
+
+/// x with the placement of the base that the first measurement of the model itself gives, as the base may be anywhere.
+fn initial_base(residuals: &Residuals<'_>, zero: &[f64]) -> Vec<f64> {
+    let mut x = zero.to_vec();
+    let base = residuals
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.place == Place::Base);
+    if base.count() == 0 {
+        return x;
+    }
+    // Kabsch's rotation between the positions of the model and the measured ones.
+    let count = residuals.measured.len();
+    let positions = |of: &dyn Fn(usize) -> Vector3<f64>| {
+        let all: Vec<Vector3<f64>> = (0..count).map(of).collect();
+        let sum = all.iter().fold(Vector3::zero(), |sum, point| sum + *point);
+        (all, sum * (1.0 / count as f64))
+    };
+    let (measured, measured_mean) = positions(&|index| residuals.measured.position(index));
+    let (model, model_mean) =
+        positions(&|index| residuals.errors_at(zero, index).0 + residuals.measured.position(index));
+    let mut covariance = nalgebra::Matrix3::zeros();
+    for (measured, model) in measured.iter().zip(&model) {
+        let row = |vector: Vector3<f64>| nalgebra::Vector3::from(vector.to_array());
+        covariance += row(*measured - measured_mean) * row(*model - model_mean).transpose();
+    }
+    let svd = covariance.svd(true, true);
+    let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
+        return x;
+    };
+    let sign = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(
+        1.0,
+        1.0,
+        (u * v).determinant().signum(),
+    ));
+    let rotation = kinopt_kinematics::spatial::Matrix3::from(u * sign * v);
+    let rotation_vector = kinopt_kinematics::spatial::rotation_log(&rotation);
+    let translation = measured_mean - rotation * model_mean;
+    let numbers = [translation.to_array(), rotation_vector.to_array()];
+    for (value, number) in x.iter_mut().zip(numbers.as_flattened()) {
+        *value = *number;
+    }
+    x
+}
+
+fn thresholds(rows: usize) -> (usize, f64, f64) {
+    THRESHOLDS[usize::from(rows == 6)]
+}
+
+/// Robust estimate of the noise from the residuals.
+fn noise(residuals: &Residuals<'_>, x: &[f64]) -> Noise {
+    let errors = (0..residuals.measured.len()).map(|index| residuals.errors_at(x, index));
+    let (positions, angles): (Vec<_>, Vec<_>) = errors.unzip();
+    let deviation = |errors: &[Vector3<f64>]| {
+        let numbers = errors.iter().flat_map(|error| error.to_array());
+        let mut numbers: Vec<f64> = numbers.map(f64::abs).collect();
+        numbers.sort_by(f64::total_cmp);
+        let median = numbers.get(numbers.len() / 2).copied().unwrap_or(0.0);
+        (MEDIAN_RATIO * median).max(MIN_NOISE)
+    };
+    Noise {
+        position: deviation(&positions),
+        angle: deviation(&angles),
+    }
+}
+
+/// Distance of each measurement from the fit, in standard deviations.
+fn distances(residuals: &Residuals<'_>, x: &[f64]) -> Vec<f64> {
+    let distance = |index| {
+        let (position, angle) = residuals.errors_at(x, index);
+        let position = position * (1.0 / residuals.noise.position);
+        let angle = angle * (1.0 / residuals.noise.angle);
+        (position.norm_squared() + angle.norm_squared()).sqrt()
+    };
+    (0..residuals.measured.len()).map(distance).collect()
+}
+
+/// Weights of Cauchy's loss (Huber and Ronchetti 2009, section 7.8).
+fn weights(residuals: &Residuals<'_>, x: &[f64]) -> Vec<f64> {
+    let (_, half, _) = thresholds(residuals.measured.rows());
+    let distances = distances(residuals, x).into_iter();
+    distances
+        .map(|distance| 1.0 / (1.0 + distance * distance / (half * half)))
+        .collect()
+}
+
+/// Root mean square of the norms of the errors, without outliers.
+fn rms(residuals: &Residuals<'_>, x: &[f64], outliers: &[usize]) -> Rms {
+    let inliers = (0..residuals.measured.len()).filter(|index| !outliers.contains(index));
+    let errors: Vec<_> = inliers.map(|index| residuals.errors_at(x, index)).collect();
+    let mean = |of: fn(&(Vector3<f64>, Vector3<f64>)) -> f64| {
+        (errors.iter().map(of).sum::<f64>() / errors.len().max(1) as f64).sqrt()
+    };
+    Rms {
+        position: mean(|(position, _)| position.norm_squared()),
+        angle: mean(|(_, angle)| angle.norm_squared()),
+    }
+}
+
+fn finished(
+    residuals: &mut Residuals<'_>,
+    x: &[f64],
+    before: Rms,
+    outliers: Vec<usize>,
+) -> Calibrated {
+    let mut jacobian = DMatrix::zeros(residuals.rows(), residuals.variables());
+    residuals.jacobian(x, &mut jacobian);
+    let inverse = jacobian.tr_mul(&jacobian).try_inverse();
+    let calibration = residuals.calibration;
+    let estimates = residuals
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(k, parameter)| {
+            let variance = inverse
+                .as_ref()
+                .map_or(f64::INFINITY, |inverse| inverse[(k, k)]);
+            let standard_deviation = variance.max(0.0).sqrt();
+            ParameterEstimate {
+                name: parameter.name(&calibration.chain),
+                value: x[k],
+                standard_deviation,
+                is_determined: standard_deviation
+                    < UNDETERMINED * parameter.prior(&calibration.prior),
+            }
+        });
+    let estimates = estimates.collect();
+    let displacement = |place| Displacement::of(residuals.parameters, x, place).placement();
+    let joints = calibration.chain.joints.iter().enumerate();
+    let corrections = joints.map(|(k, joint)| Correction {
+        joint: joint.name.clone(),
+        placement: displacement(Place::Joint(k)),
+    });
+    let (base, tool): (Placement<f64>, Placement<f64>) =
+        (displacement(Place::Base), displacement(Place::Tool));
+    Calibrated {
+        corrections: corrections.collect(),
+        device_from_base: base,
+        tip_from_tool: tool,
+        tip_joint: calibration.chain.tip_joint.clone(),
+        before,
+        after: rms(residuals, x, &outliers),
+        noise: residuals.noise,
+        outliers,
+        parameters: estimates,
+    }
+}
