@@ -7,8 +7,8 @@ use kinopt::calibration::{Calibrated, Calibration, Measurements, Noise, Paramete
 use kinopt::counted;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
+use kinopt_bindings::placement::PoseTarget;
 use kinopt_bindings::problem_file::number_list;
-use kinopt_bindings::problem_file::target::placement;
 use serde::Serialize;
 
 use crate::failure::Outcome;
@@ -155,10 +155,10 @@ fn read(text: &str, file: &str, joints: usize) -> Outcome<Measured> {
             ));
         };
         let located = |problem| failure!("{file}:{}: after {joints} joints: {problem}", index + 1);
-        let (placement, has_rotation) = placement(tip).map_err(located)?;
-        match has_rotation {
-            true => measured.poses.push(placement),
-            false => measured.points.push(placement.translation),
+        let tip = PoseTarget::of_numbers(tip).map_err(located)?;
+        match tip.has_orientation {
+            true => measured.poses.push(tip.placement),
+            false => measured.points.push(tip.placement.translation),
         }
         measured.q.extend(q);
     }

@@ -168,7 +168,7 @@ pub(crate) fn calibrate(
         })
         .with_noise(noise.map(|(position, angle)| Noise { position, angle }))
         .with_robust_loss(robust);
-    let q = arrays::rows(configurations, "configurations", fit.joints().len())?;
+    let q = arrays::rows(configurations, "configurations", fit.joints().len())?.to_vec();
     let inner = match arrays::axes(measured)? {
         2 => {
             let points = arrays::rows(measured, "measured", 3)?;

@@ -12,7 +12,7 @@ use crate::pickling;
 /// to it.
 ///
 /// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")`
-/// or `PoseBounds.within(half_widths)`.
+/// or `PoseBounds.within(half_widths)`. Raises `InvalidValueError`, which lists these, if it is called itself.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct PoseBounds {

@@ -1,7 +1,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from types import GenericAlias
-from typing import Any, Generic, Literal, NoReturn, SupportsIndex, TypedDict, TypeVar, final, overload
+from typing import Any, Generic, Literal, SupportsIndex, TypedDict, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -451,7 +451,7 @@ def frame_jacobian(model: Model | HasModel, frame: str, q: ConfigurationLike) ->
 
 @final
 class PoseBounds:
-    def __new__(cls, *_arguments: Any, **_keywords: Any) -> NoReturn: ...
+    def __new__(cls, *_arguments: Any, **_keywords: Any) -> PoseBounds: ...
     @classmethod
     def pose(cls) -> PoseBounds: ...
     @classmethod

@@ -142,7 +142,7 @@ def test_invalid_arguments_are_named(tmp_path) -> None:
         (lambda: world.add_sphere("b", float("nan")), InvalidValueError, "radius"),
         (lambda: world.add_sphere("b", 1, (1, 2)), InvalidValueError, "pose"),
         (lambda: world.add_sphere("b", 1, -np.eye(4)), InvalidValueError, "last row"),
-        (lambda: world.add_sphere("b", 1, (1, 2, 3, 1, 0, 0, 0)), InvalidValueError, r"\(4, 4\)"),
+        (lambda: world.add_sphere("b", 1, (1, 2, 3, 1, 0, 0, 0, 0)), InvalidValueError, r"\(8,\).*\(4, 4\)"),
         (lambda: world.add_points("b", np.zeros((0, 3)), 1), InvalidValueError, "at least 1 point,"),
         (lambda: world.add_mesh("b", TETRAHEDRON, [[0, 1, 4]]), InvalidValueError, "vertex 4"),
         (lambda: world.add_points("b", [[0, 0, np.inf]], 1), InvalidValueError, "point 0"),

@@ -83,7 +83,12 @@ fn rows_are_keys_of_a_curve() {
     let path = folder.text("keys.csv", keys);
     let command = format!("path {PANDA} {path} --tip tool --at 0.45,0,0.3");
     // Two straight lines of 71 mm, and a half circle of 157 mm.
-    for (curve, points) in [("straight", 17), ("arc", 17), ("straight:0.05", 5), ("arc:0.005", 33)] {
+    for (curve, points) in [
+        ("straight", 17),
+        ("arc", 17),
+        ("straight:0.05", 5),
+        ("arc:0.005", 33),
+    ] {
         let report = answer!("{command} --curve {curve}");
         has!(report, {"points": points, "reached": true});
     }

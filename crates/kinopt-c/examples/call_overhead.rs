@@ -50,7 +50,11 @@ fn main() {
     });
 
     let text = |text: &str| CString::new(text).unwrap();
-    let (path, base, tip) = (text("models/franka_panda.urdf"), text("base"), text("flange"));
+    let (path, base, tip) = (
+        text("models/franka_panda.urdf"),
+        text("base"),
+        text("flange"),
+    );
     // SAFETY: the pointers are those of live objects, arrays and texts of the stated lengths.
     let of_c = unsafe {
         let (mut robot, mut arm, mut solution) = (null_mut(), null_mut(), null_mut());
@@ -67,5 +71,8 @@ fn main() {
         kinopt_robot_free(robot);
         time
     };
-    println!("Rust {of_rust:.3} µs, C {of_c:.3} µs, difference {:.3} µs", of_c - of_rust);
+    println!(
+        "Rust {of_rust:.3} µs, C {of_c:.3} µs, difference {:.3} µs",
+        of_c - of_rust
+    );
 }

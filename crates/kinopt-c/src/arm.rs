@@ -55,7 +55,7 @@ unsafe fn built(
     };
     let base = base.map_or(Base::World, Base::from);
     let builder = Arm::builder(&**robot, base, tip);
-    let builder = apply(builder, &settings, &robot.model().neutral()).map_err(of_json)?;
+    let builder = apply(builder, &settings, robot.model()).map_err(of_json)?;
     Ok(builder.build()?)
 }
 

@@ -65,7 +65,7 @@ pub unsafe extern "C" fn kinopt_arm_solve_path(
         let mut known = names(&options());
         known.retain(|name| !OBJECTS.contains(name));
         let settings = self::settings(settings, "option of a path", &known)?;
-        let options = PathOptions::of(&settings).map_err(of_json)?;
+        let options = PathOptions::of(&settings, arm).map_err(of_json)?;
         let points = options
             .path::<Value>(CartesianPath::new(points)?)
             .map_err(of_json)?;

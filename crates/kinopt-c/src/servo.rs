@@ -105,7 +105,7 @@ pub unsafe extern "C" fn kinopt_servo_new(
         let arm = Arc::clone(&pointer::object(arm, "arm")?.inner);
         let start = pointer::array(start, start_length, "start")?;
         let settings = self::settings(settings, "option of a servo", &names(&options()))?;
-        let options = ServoOptions::of(&settings).map_err(of_json)?;
+        let options = ServoOptions::of(&settings, &arm).map_err(of_json)?;
         let cell = Cell::try_new(arm, |arm| {
             let servo = arm.servo(start, time_step)?;
             options.apply::<Value>(servo).map_err(of_json)
