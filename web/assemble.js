@@ -1,5 +1,5 @@
 // Assembles a folder of the package, next to the output of wasm-bindgen: exports, types, and an example robot.
-// `node web/assemble.js dist/arms` is for the module with arms only, which has no tasks.
+// `node web/assemble.js dist/arms` is for the module with arms only, which has no tasks and no drawing.
 import { copyFileSync, cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
@@ -22,7 +22,7 @@ const errors = names("errors.js", /^export class (\w+)/gm).join(", ");
 const own = ['export { placement } from "./placement.js";', `export { ${errors} } from "./errors.js";`];
 const isWhole = /\bProblem\b/.test(classes);
 if (isWhole) own.push('export * as tasks from "./tasks.js";');
-else for (const file of ["tasks.js", "tasks.d.ts"]) rmSync(inside(file));
+else for (const file of ["tasks.js", "tasks.d.ts", "three.js", "three.d.ts"]) rmSync(inside(file));
 write("all.js", ['import "./printing.js";', `export { ${classes} } from "./kinopt.js";`, ...own]);
 write("index.d.ts", [`export { ${classes} } from "./kinopt.js";`, `export type { ${types} } from "./kinopt.js";`, ...own]);
 write("bare.d.ts", ['export { default as init, initSync } from "./kinopt.js";', 'export * from "./index.js";']);
