@@ -1,48 +1,14 @@
-//! Configurations by joint name, and operations on configurations: integration, difference, interpolation.
+//! Operations on configurations: integration, difference, interpolation.
 
 use kinopt::model::ModelError;
-use kinopt_bindings::per_joint::configuration_of;
-use numpy::PyUntypedArray;
 use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
 
-use crate::arrays::{Queries, fill, list};
+use crate::arrays::{Queries, fill};
 use crate::error::{OrRaise, invalid};
-use crate::has_model::model_of;
-use crate::object::Object;
-use crate::robot::Robot;
 
 /// Rows between two checks for signals.
 const ROWS_AT_A_TIME: usize = 4096;
-
-/// Returns a configuration of a dict by joint name, converted by `read`, as an array; other values as they are.
-pub(crate) fn by_position<'py>(
-    q: &Bound<'py, PyAny>,
-    read: impl FnOnce(&Object) -> PyResult<Vec<f64>>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let is_named = q.cast::<PyUntypedArray>().is_err() && q.cast::<PyMapping>().is_ok();
-    match is_named {
-        true => Ok(list(q.py(), &read(&Object::of(q))?).into_any()),
-        false => Ok(q.clone()),
-    }
-}
-
-/// Returns a configuration of a model, or of an object that has one, by joint name as an array; other values as they
-/// are. Missing joints are at the neutral configuration, and mimic joints of a robot follow.
-pub(crate) fn of_model<'py>(
-    holder: &Bound<'_, PyAny>,
-    q: &Bound<'py, PyAny>,
-    what: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    if let Ok(robot) = holder.cast::<Robot>() {
-        return robot.get().by_position(q, what);
-    }
-    by_position(q, |q| {
-        let model = model_of(holder)?;
-        configuration_of(q, what, &model, model.neutral())
-    })
-}
 
 /// Computes one row for each row of numbers: a list for a list, a table for a table.
 pub(crate) fn of_one<'py>(

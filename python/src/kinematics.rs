@@ -9,9 +9,8 @@ use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, axes};
-use crate::configuration;
 use crate::error::{OrRaise, invalid};
-use crate::has_model::model_of;
+use crate::has_model::{configuration_of_model, model_of};
 use crate::pickling;
 use crate::pool::Pool;
 use kinopt_bindings::placement::to_rows;
@@ -166,7 +165,7 @@ impl ForwardKinematics {
             Ok(())
         };
         let shape = [self.frames.names.len(), 4, 4];
-        let q = configuration::of_model(self.frames.model.bind(q.py()), q, "q")?;
+        let q = configuration_of_model(self.frames.model.bind(q.py()), q, "q")?;
         for_each_configuration(&q, &shape, &self.pool, write_placements, dof)
     }
 
@@ -199,7 +198,7 @@ impl Jacobian {
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let q = configuration::of_model(self.frames.model.bind(q.py()), q, "q")?;
+        let q = configuration_of_model(self.frames.model.bind(q.py()), q, "q")?;
         jacobians(&q, &self.pool, self.frames.names.len())
     }
 

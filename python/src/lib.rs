@@ -32,6 +32,7 @@ mod masses;
 mod mesh;
 mod model;
 mod motion;
+mod named_configuration;
 mod named_loop;
 mod object;
 mod path;

@@ -17,13 +17,13 @@ use super::derivative::{self, ArmDerivative};
 use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
-use crate::configuration;
 use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::goal::pose_bounds;
 use crate::joint_path::JointPath;
 use crate::kinematics::jacobians;
 use crate::model::{Model, random_configurations};
+use crate::named_configuration::by_position;
 use crate::object::{Object, Options};
 use crate::placement::{
     placement, target as target_of, targets as targets_of, to_array, to_arrays,
@@ -128,7 +128,7 @@ impl Arm {
         q: &Bound<'py, PyAny>,
         what: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        configuration::by_position(q, |q| {
+        by_position(q, |q| {
             let names: Vec<String> = self.inner.joints().map(str::to_owned).collect();
             per_joint::configuration(q, what, &names, self.inner.default_start())
         })

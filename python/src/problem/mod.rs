@@ -19,8 +19,8 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays;
 use crate::collision::Obstacles;
-use crate::configuration;
 use crate::error::{OrRaise, invalid};
+use crate::has_model::configuration_of_model;
 use crate::pickling;
 use crate::solution::Collision;
 use crate::world::World;
@@ -316,7 +316,7 @@ impl Problem {
     /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, for another length
     /// and numbers that are not finite.
     fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
-        let q = configuration::of_model(self.model.bind(py), q, "q")?;
+        let q = configuration_of_model(self.model.bind(py), q, "q")?;
         let q = arrays::copied(&q, "q")?;
         let Some(checker) = &self.checker else {
             return Err(invalid(

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 
 use super::source::Source;
 use crate::arrays;
-use crate::configuration;
 use crate::error::{OrRaise, invalid};
+use crate::named_configuration::by_position;
 
 /// A robot: a model with mimic joints, velocity limits, shapes and masses.
 ///
@@ -81,7 +81,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         what: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        configuration::by_position(q, |q| {
+        by_position(q, |q| {
             let q = configuration_of(q, what, &self.model, self.inner.neutral())?;
             self.inner.apply_mimics(&q).or_raise()
         })

@@ -13,9 +13,9 @@ use pyo3::types::PyType;
 use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
-use crate::configuration;
 use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
+use crate::has_model::configuration_of_model;
 use crate::in_python;
 use crate::items::{self, Items};
 use crate::object::Object;
@@ -201,7 +201,7 @@ impl Queries {
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
         let model = python_problem.model(starts.py());
-        let starts = &configuration::of_model(model.bind(starts.py()), starts, "starts")?;
+        let starts = &configuration_of_model(model.bind(starts.py()), starts, "starts")?;
         let many_starts = arrays::axes(starts)? == 2;
         let (starts, mut count) = match many_starts {
             true => {

@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
-use crate::configuration;
 use crate::error::{OrRaise, invalid};
+use crate::has_model::configuration_of_model;
 use crate::joint_jump::JointJump;
 use crate::object::Object;
 use crate::problem::{CompiledProblem, Problem, raised};
@@ -100,7 +100,7 @@ impl Drag {
         #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
         solver: Option<&Bound<'_, Solver>>,
     ) -> PyResult<Self> {
-        let start = configuration::of_model(problem.get().model(py).bind(py), start, "start")?;
+        let start = configuration_of_model(problem.get().model(py).bind(py), start, "start")?;
         let start = arrays::vector(&start, "start")?.to_vec();
         let compiled = problem.get().compiled()?;
         let inner_problem = &compiled.inner;
@@ -201,7 +201,7 @@ impl Drag {
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn set_configuration(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
-        let q = configuration::of_model(self.problem.get().model(py).bind(py), q, "q")?;
+        let q = configuration_of_model(self.problem.get().model(py).bind(py), q, "q")?;
         let q = arrays::vector(&q, "q")?.to_vec();
         py.detach(|| self.lock().set_configuration(&q).or_raise())
     }

@@ -14,8 +14,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
-use crate::configuration;
 use crate::error::{OrRaise, invalid};
+use crate::has_model::configuration_of_model;
 use crate::object::Object;
 use crate::pickling;
 use crate::problem::{Problem, raised};
@@ -153,7 +153,7 @@ impl Solver {
     ) -> PyResult<Solution> {
         let python_problem = problem.get();
         let problem = python_problem.compiled()?;
-        let start = configuration::of_model(python_problem.model(py).bind(py), start, "start")?;
+        let start = configuration_of_model(python_problem.model(py).bind(py), start, "start")?;
         let start = arrays::vector(&start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
