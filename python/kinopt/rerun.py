@@ -84,7 +84,7 @@ def log(
 
 def _path(entity: str, *parts: str) -> str:
     """Path of an entity below another one; names may contain any characters."""
-    return entity + rerun.new_entity_path(list(parts))
+    return entity + str(rerun.new_entity_path(list(parts)))
 
 
 def _configurations(robot: Robot, motion: Any) -> Floats:

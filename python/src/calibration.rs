@@ -142,9 +142,13 @@ fn parts(names: Option<Vec<String>>) -> PyResult<ParameterSet> {
 ///
 /// Raises `UnknownNameError` for an unknown frame or part, `InvalidValueError` for numbers that do not match.
 #[pyfunction]
-#[pyo3(signature = (
-    robot, configurations, measured, *, base, tip, parameters = None, noise = None, prior = (0.005, 0.02), robust = true
-))]
+#[pyo3(
+    signature = (
+        robot, configurations, measured, *, base, tip, parameters = None, noise = None, prior = (0.005, 0.02), robust = true
+    ),
+    text_signature = "(robot, configurations, measured, *, base, tip, parameters=None, noise=None, \
+        prior=(0.005, 0.02), robust=True)"
+)]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
 pub(crate) fn calibrate(
     py: Python<'_>,
