@@ -70,10 +70,6 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "ANGLE", value_parser = number_list::positive, help_heading = LIMITS)]
     max_step: Option<f64>,
 
-    /// Count steps above velocity limits as reconfigurations.
-    #[arg(long, help_heading = LIMITS)]
-    pub(super) keep_times: bool,
-
     /// Joint acceleration limits of the times, rad/s² or m/s².
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
     pub(super) accelerations: Option<Numbers>,

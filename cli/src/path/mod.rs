@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut solver = PathSolver::new(&arm)
         .with_tools(&tools)
         .with_max_step(arguments.max_step())
-        .with_times_kept(arguments.keep_times);
+        .with_times_kept(problem.path.keep_times);
     if let Some(samples) = problem.path.samples {
         solver = solver.with_samples(samples);
     }

@@ -322,6 +322,8 @@ pub struct PathSettings {
     pub order: QuaternionOrder,
     /// Number of samples of a path.
     pub samples: Option<usize>,
+    /// True to count steps above velocity limits as reconfigurations.
+    pub keep_times: bool,
     /// Placements of further tools in the frame of the path.
     #[serde(deserialize_with = "more_placements")]
     pub add_tool: Vec<Placement<f64>>,
