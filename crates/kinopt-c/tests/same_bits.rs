@@ -1,5 +1,9 @@
 //! Promise: results of the C interface are bitwise those of Rust.
-#![allow(unsafe_code)] // Calls of the C interface.
+#![allow(
+    unsafe_code,
+    clippy::unwrap_used,
+    reason = "a test that calls the C interface"
+)]
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut};

@@ -68,6 +68,7 @@ fn option_tables_equal_the_code() {
     assert_same("Drags", &[("crates/kinopt-solver/src/ik/drag.rs", "")], &[]);
     let paths = [("crates/kinopt-arm/src/path/solver.rs", "")];
     let of_paths = [
+        "CartesianPath::along",
         "CartesianPath::with_traversal",
         "CartesianPath::read",
         "JointPath::times",

@@ -9,8 +9,8 @@ use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
 use kinopt::{
     BadOption, Model, Problem, SizeMismatch, Skeleton, Solution, Solver, Workspace, animation, arm,
-    collision, geometric, ik, io, kinematics, mesh, model, motion, problem, robot, simd_ik,
-    skeleton, skinning, solver, spatial, task,
+    calibration, collision, geometric, ik, io, kinematics, mesh, model, motion, problem, robot,
+    simd_ik, skeleton, skinning, solver, spatial, task,
 };
 
 const fn value<T: Clone + Debug + Send + Sync>() {}
@@ -103,7 +103,7 @@ each! { value:
     motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditReport, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
-    motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
+    motion::path::CartesianPath, motion::path::Curve, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
     motion::path::MissReason, motion::path::Missed, motion::path::PathReport,
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
@@ -112,6 +112,11 @@ each! { value:
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::RetargetReport, motion::retarget::Retargeting<'static>,
     motion::retarget::Touching, motion::retarget::UpAxis,
+}
+
+each! { value:
+    calibration::Calibration, calibration::Calibrated, calibration::Correction, calibration::Measurements<'static>,
+    calibration::Noise, calibration::ParameterEstimate, calibration::ParameterSet, calibration::Prior, calibration::Rms,
 }
 
 each! { value:
@@ -151,7 +156,7 @@ each! { error:
     ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError, io::FormatError,
     io::gltf::SceneError, io::gltf::UnwritableScene, kinematics::KinematicsError, model::ModelError,
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
-    robot::RobotFileError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
+    robot::RobotFileError, calibration::CalibrationError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
     motion::path::PathError, motion::retarget::RetargetError,
     robot::ParseIssue,
@@ -196,7 +201,8 @@ fn every_public_type_is_listed() {
     let mut found = Vec::new();
     for package in std::fs::read_dir("../crates").unwrap() {
         let package = package.unwrap().path();
-        if !package.ends_with("kinopt-bindings") {
+        // Interfaces of other languages.
+        if !package.ends_with("kinopt-bindings") && !package.ends_with("kinopt-c") {
             declared(&package.join("src"), &mut found);
         }
     }

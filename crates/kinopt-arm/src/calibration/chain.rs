@@ -48,23 +48,22 @@ impl Chain {
         for id in path.down {
             let joint = &model.joints()[id.index()];
             placement = placement * joint.parent_from_joint;
-            match joint.kind {
-                JointKind::Fixed => tip_joint = Some(joint.name.clone()),
-                JointKind::Ball => {
-                    let joint = joint.name.clone();
-                    return Err(CalibrationError::BallJoint { joint });
-                }
-                kind => {
-                    tip_joint = None;
-                    joints.push(ChainJoint {
-                        name: joint.name.clone(),
-                        before_from_joint: placement,
-                        kind,
-                        axis: joint.axis,
-                    });
-                    placement = Placement::identity();
-                }
+            if joint.kind.is_ball() {
+                let joint = joint.name.clone();
+                return Err(CalibrationError::BallJoint { joint });
             }
+            if !joint.kind.moves() {
+                tip_joint = Some(joint.name.clone());
+                continue;
+            }
+            tip_joint = None;
+            joints.push(ChainJoint {
+                name: joint.name.clone(),
+                before_from_joint: placement,
+                kind: joint.kind,
+                axis: joint.axis,
+            });
+            placement = Placement::identity();
         }
         Ok(Self {
             joints,

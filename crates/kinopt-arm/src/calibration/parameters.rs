@@ -1,6 +1,5 @@
 //! Parameters of a calibration: small displacements of the base, the joints and the tool.
 
-use kinopt_kinematics::model::JointKind;
 use kinopt_kinematics::spatial::{Placement, Vector3, rotation_exp};
 
 use super::chain::Chain;
@@ -134,7 +133,7 @@ pub(super) fn parameters(chain: &Chain, set: &ParameterSet, has_rotations: bool)
         add(Place::Base, &rotations, false);
     }
     for (index, joint) in chain.joints.iter().enumerate() {
-        let slides = joint.kind == JointKind::Prismatic;
+        let slides = joint.kind.slides();
         if set.link_positions {
             add(Place::Joint(index), &translations, false);
         }
