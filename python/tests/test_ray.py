@@ -347,8 +347,7 @@ def test_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys
     (block,) = re.findall(r"^<!-- with Ray -->\n```sh\npython (.*)\n```", page, re.M)
     options = "--step 0.4 --directions 4 --turns 1 --starts 2 --workers 2 --picture map.png".split()
     (tmp_path / "models").symlink_to(MODELS)
-    (tmp_path / "python").mkdir()
-    monkeypatch.chdir(tmp_path / "python")
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [*shlex.split(block), *options])
     example.main()
     first = capsys.readouterr().out

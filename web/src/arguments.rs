@@ -200,7 +200,12 @@ pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, Exception
     }
     let not_a_list = || Exception::new(&format!("{what} must be a list of numbers"));
     let list = list(value).ok_or_else(not_a_list)?;
-    list.iter().map(|item| number(&item, what)).collect()
+    let items = list.iter().enumerate();
+    let number = |(index, item): (usize, JsValue)| {
+        let not_a_number = || Exception::new(&format!("{what}[{index}] must be a number"));
+        item.as_f64().ok_or_else(not_a_number)
+    };
+    items.map(number).collect()
 }
 
 /// Exactly `N` numbers.

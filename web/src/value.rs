@@ -48,7 +48,7 @@ impl kinopt_bindings::Value for Value {
     }
 
     fn is_map(&self) -> bool {
-        !arguments::is_list(&self.0)
+        self.0.is_object() && !arguments::is_list(&self.0)
     }
 
     fn number(&self, what: &str) -> Result<f64, Exception> {

@@ -158,6 +158,7 @@ test("errors of unknown names and options list valid ones", () => {
     assert.throws(() => pandaArm().solve([1, 2, 3]), /target has 3 numbers, a placement has 16/);
     assert.throws(() => pandaArm().solve(placement([NaN, 0, 0])), /finite|rigid/);
     assert.throws(() => pandaArm().solve(placement(), [0, 0]), /start/);
+    assert.throws(() => pandaArm().solve(placement(), ["0", 0, 0, 0, 0, 0, 0]), /start\[0\] must be a number/);
 });
 
 test("a robot has shapes, tips, limits and a base joint", () => {

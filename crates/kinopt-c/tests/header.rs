@@ -1,4 +1,5 @@
 //! Promise: the header in the repository is that of the Rust sources.
+#![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 
