@@ -73,3 +73,8 @@ def test_so101_at_zero_is_free_of_self_collisions():
     assert not arm.collisions(np.zeros(5))
     # Folded, the gripper overlaps the base.
     assert arm.collisions([0, -1.7, 1.6, 1.6, 0])
+
+
+def test_unknown_function_error_lists_models():
+    with pytest.raises(AttributeError, match="no model named `g1`.*panda"):
+        kinopt.models.g1()  # type: ignore[attr-defined]

@@ -15,6 +15,7 @@ https://github.com/kinopt/kinopt/blob/main/models/README.md
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .._kinopt import MotionCapture, Rig, Robot
 from ..errors import UnknownNameError
@@ -66,7 +67,7 @@ def cobra_s600(*, base_joint: BaseJoint | None = None) -> Robot:
 
 
 def humanoid() -> Rig:
-    """A character of 22 bones with mesh and skin weights; its tips are head, hands and feet."""
+    """A character of 22 bones with mesh and skin weights; its tips are head, hands and feet. ``nao`` is a humanoid robot."""
     return Rig.read(path("humanoid"))
 
 
@@ -122,3 +123,10 @@ __all__ = [
     "ur10e",
     "ur5e",
 ]
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        # Type checkers find unknown names themselves.
+        raise AttributeError(f"no model named `{name}`; models: {', '.join(_FILES)}")

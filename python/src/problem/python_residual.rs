@@ -130,7 +130,7 @@ impl PythonResidual {
             *row = value;
             return Ok(());
         }
-        let what = "what the residual's function returned";
+        let what = "what the residual's function returned (`rows` is its length)";
         residual.copy_from_slice(&arrays::vector_of(&result, what, residual.len())?);
         Ok(())
     }

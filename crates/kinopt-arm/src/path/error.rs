@@ -97,7 +97,8 @@ pub enum PathError {
     },
     /// A step is not bounded by any acceleration limit.
     #[error(
-        "acceleration_limits: {joint} moves to row {row}, but no joint of that step has a finite limit"
+        "acceleration_limits: {joint} moves to row {row}, but no joint of that step has a finite limit: \
+         set acceleration limits of the joints, such as 5 (rad/s² or m/s²)"
     )]
     Unbounded {
         /// Name of the joint that moves most, or its index.
@@ -114,7 +115,7 @@ pub enum PathError {
     /// Rows are not reached, or their steps are not proven collision-free.
     #[error(
         "{count} of {rows} rows are not reached or not proven collision-free, the first is row {first}: change the \
-         path, or allow unreached rows"
+         path, or allow them by `allow_unreached`; the report of the path has the reasons"
     )]
     Unreached {
         /// Number of unreached rows.
