@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (skeleton, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
     let pose = skeleton.pose(&rest)?;
     let hand = skeleton.bone("left_hand")?;
-    let start = Vector3::from(pose.tip(skeleton, hand)?);
+    let start = pose.tip(skeleton, hand)?;
 
     let mut tasks = Problem::builder(skeleton.model());
     let dragged = tasks.add(Point::new(skeleton.tip(hand), start));
