@@ -185,7 +185,7 @@ async function shown(ask, what) {
 function release() {
     page.demo = undefined;
     page.grabbed = page.target = undefined;
-    page.held = page.nudged = false;
+    page.held = page.nudged = page.moved = false;
 }
 
 /** Discards the state of earlier drags. */
