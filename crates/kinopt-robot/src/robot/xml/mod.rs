@@ -19,7 +19,7 @@ pub(super) use element::exactly;
 pub(super) use element::{Element, is};
 pub(crate) use error::Read;
 pub use error::{ParseIssue, RobotFileError};
-#[cfg(all(feature = "mjcf", feature = "urdf"))]
+#[cfg(feature = "mjcf")]
 pub(super) use parse::root_name;
 pub(super) use parse::{parse, repaired_xml};
 pub(super) use reading::Reading;
