@@ -2,17 +2,16 @@
 
 use std::rc::Rc;
 
-use kinopt::model::{Limits, UnknownName};
+use kinopt::model::UnknownName;
 use kinopt::problem::Targets;
-use kinopt::task::Quantity;
-use kinopt_bindings::names::{PREFERENCES, named};
 use kinopt_bindings::task::Aimed;
+use kinopt_bindings::{parameters, problem};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
 use crate::error::{Exception, raise};
 use crate::model::Model;
-use crate::parameters::parameters;
+use crate::parameters::parameter_map;
 use crate::skeleton::Skeleton;
 use crate::task::{self, BoxedTask};
 use crate::value::Value;
@@ -134,42 +133,23 @@ struct ProblemRequest<'a> {
 impl ProblemRequest<'_> {
     fn problem(self, keep_clear: Option<&AddAvoidance<'_>>) -> Result<Problem, Exception> {
         // `Problem.holding` chooses the free joints itself.
-        let known: &[&str] = match self.holds {
-            Some(_) => &["tolerance", "preferences", "bounds"],
-            None => &[
-                "tolerance",
-                "preferences",
-                "bounds",
-                "locked",
-                "only",
-                "held",
-            ],
+        let of_joints = match self.holds {
+            Some(_) => &[][..],
+            None => &parameters::OPTIONS,
         };
-        let known = known.iter().copied();
+        let known = problem::OPTIONS.iter().chain(of_joints).copied();
         let options = NamedArguments::of(self.options, "option of a problem", known)?;
         let mut builder = kinopt::Problem::builder(&self.model.inner);
-        let parameters_of_options = parameters(self.model, &options)?;
+        let parameters_of_options = parameter_map(self.model, &options)?;
         if let Some(map) = self.holds.or(parameters_of_options) {
             builder.parameters(map);
-        }
-        for (name, value) in arguments::entries(options.get("bounds").as_ref(), "bounds")? {
-            let [lower, upper] = arguments::vector(&value, &format!("bounds.{name}"))?;
-            let joint = self.model.inner.joint(&name).map_err(raise)?;
-            builder.bound(joint, Limits::new(lower, upper));
         }
         let tasks = js_sys::Array::from(&self.tasks);
         let tasks = tasks
             .iter()
             .map(|task| task::add(task, self.model, &mut builder));
         let tasks = tasks.collect::<Result<Vec<_>, _>>()?;
-        if let Some(tolerance) = options.number("tolerance")? {
-            builder.tolerance(Quantity::Metres, tolerance);
-            builder.tolerance(Quantity::Radians, tolerance);
-        }
-        if let Some(name) = options.text("preferences")? {
-            let preferences = named("preferences", &name, &PREFERENCES);
-            builder.preferences(preferences.map_err(raise)?);
-        }
+        problem::apply(&mut builder, &self.model.inner, &options)?;
         if let Some(add_avoidance) = keep_clear {
             add_avoidance(&mut builder);
         }

@@ -2,9 +2,7 @@
 
 use kinopt::model::UnknownName;
 use kinopt::problem::ProblemBuilder;
-use kinopt_bindings::task::{
-    self, AddBounded, AddTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions,
-};
+use kinopt_bindings::task::{self, AddTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
@@ -69,17 +67,5 @@ fn add_bounded(
 ) -> Result<BoxedTask, Exception> {
     let inner = outer.get("task").unwrap_or(JsValue::UNDEFINED);
     let TaskObject { kind, options } = TaskObject::new(inner)?;
-    if kind == "bounded" {
-        let message = "nested `bounded`: use one interval instead";
-        return Err(Exception::new(message));
-    }
-    let bounded = AddBounded {
-        lower: outer.number("lower")?.unwrap_or(f64::NEG_INFINITY),
-        upper: outer.number("upper")?.unwrap_or(f64::INFINITY),
-        add: AddTask {
-            builder: add.builder,
-            options: add.options.or(TaskOptions::of(&options)?),
-        },
-    };
-    task::residual(&options, on, kind, bounded)
+    task::bounded(outer, (kind, &options), on, add)
 }

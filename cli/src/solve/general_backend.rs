@@ -7,7 +7,7 @@ use kinopt::collision::Checker;
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::solver::Observer;
-use kinopt::spatial::{Placement, Quaternion};
+use kinopt::spatial::Placement;
 use kinopt::task::{Quantity, Ray, Task};
 use kinopt_bindings::problem_file::ProblemSettings;
 
@@ -219,17 +219,6 @@ impl<'a> GeneralBackend<'a> {
     }
 }
 
-/// Placement at a share between two others: straight line, and rotation at a constant rate.
-fn interpolated(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
-    if share >= 1.0 {
-        return *to;
-    }
-    let rotation_vector = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
-    let rotation = from.rotation * Quaternion::exp(rotation_vector * share).to_matrix();
-    let displacement = to.translation - from.translation;
-    Placement::new(rotation, from.translation + displacement * share)
-}
-
 impl DragProblem {
     /// Sets the targets of a query, and holds tips at their placements in its start.
     fn set_targets(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
@@ -277,7 +266,10 @@ impl QueryBackend for GeneralBackend<'_> {
         let motion = start_placements.map(|start_placements| {
             move |drag: &mut Drag, share: f64| {
                 let segments = start_placements.iter().zip(&query.targets);
-                let interpolated = segments.map(|(from, to)| interpolated(from, to, share));
+                let interpolated = segments.map(|(from, to)| match share >= 1.0 {
+                    true => *to,
+                    false => from.interpolated(to, share),
+                });
                 let intermediate = Query {
                     targets: interpolated.collect(),
                     start: Vec::new(),

@@ -4,7 +4,28 @@ use kinopt::Model;
 use kinopt::model::{JointKind, Limits, ParameterMapBuilder};
 
 use crate::error::ErrorKind;
-use crate::value::{Value, joint_of};
+use crate::value::{Arguments, ErrorOf, Value, joint_of};
+
+/// Options that [`apply`] reads.
+pub const OPTIONS: [&str; 3] = ["locked", "only", "held"];
+
+/// Applies the options of free and locked joints: see [`lock`] and [`only`].
+///
+/// # Errors
+/// If an option has another type, or names an unknown joint.
+pub fn apply<'m, A: Arguments>(
+    builder: ParameterMapBuilder<'m>,
+    model: &Model,
+    arguments: &A,
+) -> Result<ParameterMapBuilder<'m>, ErrorOf<A>> {
+    let locked = arguments.entries("locked")?;
+    let names = arguments.get("only")?;
+    let names = names.map(|names| names.names("only")).transpose()?;
+    let held = arguments.get("held")?;
+    let held = held.map(|held| held.numbers("held")).transpose()?;
+    let builder = lock(builder, model, locked, |name| format!("locked.{name}"))?;
+    only::<A::Value>(builder, model, names.as_deref(), ("held", held))
+}
 
 /// Locks joints at values, radians or metres; of a ball joint a quaternion w, x, y, z. `what` names a value in
 /// messages.

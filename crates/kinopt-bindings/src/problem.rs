@@ -1,15 +1,47 @@
 //! Problems with tasks and targets by name.
 
-use kinopt::model::UnknownName;
-use kinopt::problem::{ProblemInstance, Targets};
+use kinopt::model::{Limits, UnknownName};
+use kinopt::problem::{ProblemBuilder, ProblemInstance, Targets};
+use kinopt::task::Quantity;
 use kinopt::{Model, Problem};
 
 use crate::error::ErrorKind;
+use crate::names::{PREFERENCES, named};
 use crate::task::{Aimed, BoxedTask, Move};
-use crate::value::{OrRaise, Value};
+use crate::value::{Arguments, ErrorOf, OrRaise, Value, joint_of};
 
 /// Largest difference between a configuration and its projection, relative to its values.
 const PROJECTION_TOLERANCE: f64 = 1e-9;
+
+/// Options that [`apply`] reads.
+pub const OPTIONS: [&str; 3] = ["tolerance", "preferences", "bounds"];
+
+/// Applies the options of a problem: `tolerance` of tasks that set none, mode of soft tasks, and narrower `bounds`.
+///
+/// # Errors
+/// If an option has another type, or names an unknown joint or mode.
+pub fn apply<A: Arguments>(
+    builder: &mut ProblemBuilder<'_>,
+    model: &Model,
+    arguments: &A,
+) -> Result<(), ErrorOf<A>> {
+    if let Some(bounds) = arguments.get("bounds")? {
+        for (name, (lower, upper)) in bounds.ranges("bounds")? {
+            let joint = joint_of::<A::Value>(model, &name)?;
+            builder.bound(joint, Limits::new(lower, upper));
+        }
+    }
+    if let Some(tolerance) = arguments.get("tolerance")? {
+        let tolerance = tolerance.number("tolerance")?;
+        builder.tolerance(Quantity::Metres, tolerance);
+        builder.tolerance(Quantity::Radians, tolerance);
+    }
+    if let Some(name) = arguments.get("preferences")? {
+        let name = name.name("preferences")?;
+        builder.preferences(named("preferences", &name, &PREFERENCES).or_raise::<A::Value>()?);
+    }
+    Ok(())
+}
 
 /// A compiled problem with its tasks.
 pub struct NamedProblem<V: Value> {

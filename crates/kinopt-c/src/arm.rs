@@ -183,8 +183,7 @@ pub unsafe extern "C" fn kinopt_arm_joint_name(
     index: usize,
 ) -> *const c_char {
     let arm = unsafe { pointer::object(arm, "arm") };
-    let name = arm.ok().and_then(|arm| arm.joints.get(index));
-    name.map_or(std::ptr::null(), |name| name.as_ptr())
+    pointer::text_at(arm.map_or(&[], |arm| &arm.joints), index)
 }
 
 /// Writes the position limits of the joints, radians or metres.
@@ -196,9 +195,9 @@ pub unsafe extern "C" fn kinopt_arm_limits(
     length: usize,
 ) -> KinoptStatus {
     guard(|| unsafe {
-        let limits = || Ok::<_, Failure>(pointer::object(arm, "arm")?.inner.limits());
-        let lowest: Vec<f64> = limits()?.map(|limits| limits.lower).collect();
-        let highest: Vec<f64> = limits()?.map(|limits| limits.upper).collect();
+        let limits = pointer::object(arm, "arm")?.inner.limits();
+        let (lowest, highest): (Vec<f64>, Vec<f64>) =
+            limits.map(|limits| (limits.lower, limits.upper)).unzip();
         pointer::copy(&lowest, lower, length, "lower")?;
         pointer::copy(&highest, upper, length, "upper")
     })

@@ -33,13 +33,16 @@ pub unsafe extern "C" fn kinopt_arm_solve_batch(
         let q = pointer::array_mut(q, q_length, "q")?;
         let outcomes = pointer::array_mut(outcomes, outcome_count, "outcomes")?;
         let mut found = vec![PoseOutcome::default(); outcomes.len()];
-        if threads == 1 {
-            arm.solve_batch_into(&targets, starts, q, &mut found)?;
-        } else {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool =
-                pool.map_err(|error| Failure::invalid(format!("`threads` is {threads}: {error}")))?;
-            pool.install(|| arm.solve_batch_into_parallel(&targets, starts, q, &mut found))?;
+        match threads {
+            0 => arm.solve_batch_into_parallel(&targets, starts, q, &mut found)?,
+            1 => arm.solve_batch_into(&targets, starts, q, &mut found)?,
+            _ => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                let pool = pool.map_err(|error| {
+                    Failure::invalid(format!("`threads` is {threads}: {error}"))
+                })?;
+                pool.install(|| arm.solve_batch_into_parallel(&targets, starts, q, &mut found))?;
+            }
         }
         for (outcome, found) in outcomes.iter_mut().zip(&found) {
             *outcome = KinoptOutcome {

@@ -7,6 +7,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use kinopt_bindings::json::JsonError;
 use kinopt_bindings::{Classify, ErrorKind};
 
+use crate::pointer::kept_text;
+
 /// Result of a function.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,7 +98,6 @@ pub(crate) fn guard(run: impl FnOnce() -> Result<(), Failure>) -> KinoptStatus {
             message: "internal error of kinopt; please report it".to_owned(),
         },
     };
-    let text = CString::new(failure.message.replace('\0', "")).unwrap_or_default();
-    MESSAGE.set(text);
+    MESSAGE.set(kept_text(&failure.message));
     failure.status
 }

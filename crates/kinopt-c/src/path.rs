@@ -103,14 +103,7 @@ pub unsafe extern "C" fn kinopt_joint_path_q(
 ) -> *const f64 {
     let path = unsafe { pointer::object(path, "path") };
     let q = path.map_or(&[][..], |path| &path.inner.q);
-    if !length.is_null() {
-        // SAFETY: not null, and a place of the caller.
-        unsafe { length.write_unaligned(q.len()) };
-    }
-    match q.is_empty() {
-        true => std::ptr::null(),
-        false => q.as_ptr(),
-    }
+    unsafe { pointer::kept_numbers(q, length) }
 }
 
 /// Number of jumps; 0 for null.

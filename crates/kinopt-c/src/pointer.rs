@@ -175,34 +175,39 @@ pub(crate) unsafe fn write_text(
     }
     // SAFETY: as for `array_mut`.
     let buffer = unsafe { array_mut(buffer.cast::<u8>(), size, "buffer") }?;
-    if let Some(room) = buffer.len().checked_sub(1) {
+    if let Some(most) = buffer.len().checked_sub(1) {
         // A character is not cut.
-        let end = text.floor_char_boundary_of(room);
+        let mut end = most.min(text.len());
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
         buffer[..end].copy_from_slice(&text.as_bytes()[..end]);
         buffer[end] = 0;
     }
     Ok(())
 }
 
-/// Cut of a text.
-trait Cut {
-    /// Largest end of whole characters that is at most `most`.
-    fn floor_char_boundary_of(&self, most: usize) -> usize;
-}
-
-impl Cut for str {
-    fn floor_char_boundary_of(&self, most: usize) -> usize {
-        let mut end = most.min(self.len());
-        while !self.is_char_boundary(end) {
-            end -= 1;
-        }
-        end
-    }
-}
-
 /// A text for the caller that the library keeps.
 pub(crate) fn kept_text(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
+}
+
+/// One of the texts that the library keeps; null for an index out of range.
+pub(crate) fn text_at(texts: &[CString], index: usize) -> *const c_char {
+    let text = texts.get(index);
+    text.map_or(std::ptr::null(), |text| text.as_ptr())
+}
+
+/// Numbers that the library keeps, null for none; their count is written to `length`, unless that is null.
+pub(crate) unsafe fn kept_numbers(numbers: &[f64], length: *mut usize) -> *const f64 {
+    if !length.is_null() {
+        // SAFETY: not null, and a place of the caller.
+        unsafe { length.write_unaligned(numbers.len()) };
+    }
+    match numbers.is_empty() {
+        true => std::ptr::null(),
+        false => numbers.as_ptr(),
+    }
 }
 
 /// A placement of sixteen numbers by columns.

@@ -1,37 +1,23 @@
 //! Problems: tasks on the frames and joints of a robot.
 
 use std::ffi::{CString, c_char};
-use std::sync::Arc;
 
-use kinopt::Model;
-use kinopt::model::{Limits, Masses, UnknownName};
+use kinopt::model::{Masses, UnknownName};
 use kinopt::problem::ProblemBuilder;
 use kinopt::robot::Robot;
-use kinopt::task::Quantity;
-use kinopt_bindings::names::{PREFERENCES, named};
-use kinopt_bindings::parameters;
+use kinopt_bindings::json::JsonError;
 use kinopt_bindings::problem::NamedProblem;
 use kinopt_bindings::task::{
-    AddBounded, AddTask, BoxedTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions, residual,
+    AddTask, BoxedTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions, bounded, residual,
 };
-use kinopt_bindings::{OrRaise, Value};
+use kinopt_bindings::{ErrorKind, OrRaise, Value, parameters};
 use serde_json::{Map, Value as Json};
 
 use crate::error::{Failure, KinoptStatus, guard, of_json};
 use crate::pointer;
 use crate::robot::KinoptRobot;
-use crate::settings::settings;
+use crate::settings::{check_names, settings};
 use crate::world::{KinoptCollisionModel, KinoptWorld};
-
-/// Options of a problem.
-const OPTIONS: [&str; 6] = [
-    "tolerance",
-    "preferences",
-    "bounds",
-    "locked",
-    "only",
-    "held",
-];
 
 /// Tasks on a robot, checked and compiled. It is immutable.
 pub struct KinoptProblem {
@@ -58,7 +44,8 @@ pub unsafe extern "C" fn kinopt_problem_new(
 ) -> KinoptStatus {
     guard(|| unsafe {
         let robot = &pointer::object(robot, "robot")?.inner;
-        let settings = self::settings(settings, "option of a problem", &OPTIONS)?;
+        let known = [kinopt_bindings::problem::OPTIONS, parameters::OPTIONS].concat();
+        let settings = self::settings(settings, "option of a problem", &known)?;
         let tasks = serde_json::from_str(pointer::text(tasks, "tasks")?)?;
         let Json::Array(tasks) = tasks else {
             return Err(Failure::invalid(
@@ -76,11 +63,13 @@ pub unsafe extern "C" fn kinopt_problem_new(
             }
         };
         let mut builder = kinopt::Problem::builder(robot.model());
-        configure(&mut builder, robot, &settings).map_err(of_json)?;
+        let map = parameters::apply(robot.parameters(), robot.model(), &settings);
+        builder.parameters(map.map_err(of_json)?.build()?);
+        kinopt_bindings::problem::apply(&mut builder, robot.model(), &settings).map_err(of_json)?;
         let added = tasks.into_iter().enumerate().map(|(index, task)| {
             add(task, robot, &mut builder).map_err(|error| {
                 let message = format!("tasks[{index}]: {error}");
-                of_json(kinopt_bindings::json::JsonError { message, ..error })
+                of_json(JsonError { message, ..error })
             })
         });
         let added = added.collect::<Result<Vec<_>, _>>()?;
@@ -93,97 +82,46 @@ pub unsafe extern "C" fn kinopt_problem_new(
     })
 }
 
-type JsonResult<T> = Result<T, kinopt_bindings::json::JsonError>;
-
-/// Applies the settings of a problem.
-fn configure(
-    builder: &mut ProblemBuilder<'_>,
-    robot: &Arc<Robot>,
-    settings: &Map<String, Json>,
-) -> JsonResult<()> {
-    let (model, get) = (robot.model(), |name: &str| settings.get(name));
-    let locked = get("locked").map_or(Ok(Vec::new()), |value| value.entries("locked"))?;
-    let only = get("only").map(|value| value.names("only")).transpose()?;
-    let held = get("held").map(|value| value.numbers("held")).transpose()?;
-    let what = |name: &str| format!("locked.{name}");
-    let map = parameters::lock(robot.parameters(), model, locked, what)?;
-    let map = parameters::only::<Json>(map, model, only.as_deref(), ("held", held))?;
-    builder.parameters(map.build().or_raise::<Json>()?);
-    let bounds = get("bounds").map_or(Ok(Vec::new()), |value| value.ranges("bounds"))?;
-    for (name, (lower, upper)) in bounds {
-        let joint = model.joint(&name).or_raise::<Json>()?;
-        builder.bound(joint, Limits::new(lower, upper));
-    }
-    if let Some(tolerance) = get("tolerance") {
-        let tolerance = tolerance.number("tolerance")?;
-        builder.tolerance(Quantity::Metres, tolerance);
-        builder.tolerance(Quantity::Radians, tolerance);
-    }
-    if let Some(preferences) = get("preferences") {
-        let name = preferences.name("preferences")?;
-        builder.preferences(named("preferences", &name, &PREFERENCES).or_raise::<Json>()?);
-    }
-    Ok(())
-}
-
-/// Kind, common options and arguments of a task.
-fn read(task: Json) -> JsonResult<(&'static str, TaskOptions, Map<String, Json>)> {
-    let invalid =
-        |message: &str| Json::error(kinopt_bindings::ErrorKind::InvalidValue, message.to_owned());
+/// Kind and arguments of a task.
+fn read(task: Json) -> Result<(&'static str, Map<String, Json>), JsonError> {
+    let invalid = |message: &str| Json::error(ErrorKind::InvalidValue, message.to_owned());
     let Json::Object(mut arguments) = task else {
         return Err(invalid("is not an object that describes a task"));
     };
     let Some(Json::String(given)) = arguments.remove("kind") else {
         return Err(invalid("has no `kind`"));
     };
-    let kinds = KINDS.iter().map(|(kind, _)| *kind);
     let Some((kind, options)) = KINDS.iter().find(|(kind, _)| *kind == given) else {
+        let kinds = KINDS.iter().map(|(kind, _)| *kind);
         return Err(UnknownName::new("kind of task", &given, kinds)).or_raise::<Json>();
     };
-    let known = COMMON_OPTIONS.iter().chain(*options);
-    if let Some(name) = arguments
-        .keys()
-        .find(|name| known.clone().all(|known| known != name))
-    {
-        return Err(UnknownName::new("option of a task", name, known.copied())).or_raise::<Json>();
-    }
-    Ok((kind, TaskOptions::of(&arguments)?, arguments))
+    let known = [&COMMON_OPTIONS[..], options].concat();
+    check_names(&arguments, "option of a task", &known).or_raise::<Json>()?;
+    Ok((kind, arguments))
 }
 
 /// Adds a task.
-fn add(task: Json, robot: &Robot, builder: &mut ProblemBuilder<'_>) -> JsonResult<BoxedTask<Json>> {
-    let model: &Model = robot.model();
+fn add(
+    task: Json,
+    robot: &Robot,
+    builder: &mut ProblemBuilder<'_>,
+) -> Result<BoxedTask<Json>, JsonError> {
+    let model = robot.model();
     let masses = || Masses::new(model, []).or_raise::<Json>();
     let on = TaskModel {
         model,
         masses: &masses,
     };
-    let (kind, options, arguments) = read(task)?;
-    if kind != "bounded" {
-        return residual(&arguments, &on, kind, AddTask { builder, options });
+    let (kind, arguments) = read(task)?;
+    let options = TaskOptions::of(&arguments)?;
+    let add = AddTask { builder, options };
+    match kind {
+        "bounded" => {
+            let (kind, inner) = read(arguments.get("task").cloned().unwrap_or_default())?;
+            bounded(&arguments, (kind, &inner), &on, add)
+        }
+        _ => residual(&arguments, &on, kind, add),
     }
-    let (inner_kind, inner_options, inner) =
-        read(arguments.get("task").cloned().unwrap_or_default())?;
-    if inner_kind == "bounded" {
-        let message = "nested `bounded`: use one interval instead".to_owned();
-        return Err(Json::error(
-            kinopt_bindings::ErrorKind::InvalidValue,
-            message,
-        ));
-    }
-    let end = |name: &str, default| match arguments.get(name) {
-        Some(value) => value.number(name),
-        None => Ok(default),
-    };
-    let bounded = AddBounded {
-        lower: end("lower", f64::NEG_INFINITY)?,
-        upper: end("upper", f64::INFINITY)?,
-        add: AddTask {
-            builder,
-            options: options.or(inner_options),
-        },
-    };
-    residual(&inner, &on, inner_kind, bounded)
 }
 
 /// Frees a problem.
@@ -206,6 +144,5 @@ pub unsafe extern "C" fn kinopt_problem_task_name(
     index: usize,
 ) -> *const c_char {
     let problem = unsafe { pointer::object(problem, "problem") };
-    let name = problem.ok().and_then(|problem| problem.names.get(index));
-    name.map_or(std::ptr::null(), |name| name.as_ptr())
+    pointer::text_at(problem.map_or(&[], |problem| &problem.names), index)
 }

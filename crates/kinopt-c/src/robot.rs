@@ -54,14 +54,7 @@ pub unsafe extern "C" fn kinopt_robot_read(
 ) -> KinoptStatus {
     guard(|| unsafe {
         let options = options_of(settings)?;
-        let mut reader = Robot::reader();
-        if options.lenient {
-            reader = reader.lenient();
-        }
-        if options.confine {
-            reader = reader.confined();
-        }
-        let read = reader.read(pointer::text(path, "path")?)?;
+        let read = options.reader().read(pointer::text(path, "path")?)?;
         pointer::give(robot, finished(read, &options)?, "robot")
     })
 }
@@ -139,6 +132,5 @@ pub unsafe extern "C" fn kinopt_robot_frame_name(
     index: usize,
 ) -> *const c_char {
     let robot = unsafe { pointer::object(robot, "robot") };
-    let name = robot.ok().and_then(|robot| robot.frames.get(index));
-    name.map_or(std::ptr::null(), |name| name.as_ptr())
+    pointer::text_at(robot.map_or(&[], |robot| &robot.frames), index)
 }

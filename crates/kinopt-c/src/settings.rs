@@ -25,10 +25,21 @@ pub(crate) unsafe fn settings(
             known.first().copied().unwrap_or_default()
         )));
     };
-    for name in settings.keys() {
-        if !known.contains(&name.as_str()) {
-            return Err(UnknownName::new(kind, name, known.iter().copied()).into());
-        }
-    }
+    check_names(&settings, kind, known)?;
     Ok(settings)
+}
+
+/// Checks the names of arguments; `kind` describes one in messages.
+pub(crate) fn check_names(
+    arguments: &Map<String, Value>,
+    kind: &'static str,
+    known: &[&str],
+) -> Result<(), UnknownName> {
+    match arguments
+        .keys()
+        .find(|name| !known.contains(&name.as_str()))
+    {
+        Some(name) => Err(UnknownName::new(kind, name, known.iter().copied())),
+        None => Ok(()),
+    }
 }

@@ -70,14 +70,7 @@ pub unsafe extern "C" fn kinopt_solution_q(
 ) -> *const f64 {
     let solution = unsafe { pointer::object(solution, "solution") };
     let q = solution.map_or(&[][..], |solution| &solution.inner.q);
-    if !length.is_null() {
-        // SAFETY: not null, and a place of the caller.
-        unsafe { length.write_unaligned(q.len()) };
-    }
-    match q.is_empty() {
-        true => std::ptr::null(),
-        false => q.as_ptr(),
-    }
+    unsafe { pointer::kept_numbers(q, length) }
 }
 
 /// Writes the errors and the effort of the query.

@@ -1,6 +1,6 @@
 //! Estimation: least squares with weights that are computed again from the residuals.
 
-use kinopt_kinematics::spatial::{Placement, Vector3};
+use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3, rotation_log};
 use kinopt_solver::solver::{
     LeastSquares, LevenbergMarquardt, Silent, SolverState, Stopping, minimise,
 };
@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use super::Calibration;
 use super::calibrated::{Calibrated, Correction, ParameterEstimate, Rms};
 use super::measurements::{Measurements, Noise};
-use super::parameters::{Displacement, Place, parameters};
+use super::parameters::{Displacement, parameters};
 use super::residuals::Residuals;
 
 /// Number of estimates of noise and weights.
@@ -23,9 +23,11 @@ const INITIAL_NOISE: Noise = Noise {
 const MIN_NOISE: f64 = 1e-9;
 /// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const MEDIAN_RATIO: f64 = 1.4826;
-/// Distances, in standard deviations of one row, beyond which a measurement of 3 or 6 rows counts half, and beyond which it
-/// is an outlier: the 95 % and 99.99 % quantiles of the chi distribution.
-const THRESHOLDS: [(usize, f64, f64); 2] = [(3, 2.80, 4.59), (6, 3.55, 5.27)];
+/// Distances of points and of poses, in standard deviations of one row, beyond which a measurement counts half: the 95 %
+/// quantiles of the chi distribution with 3 and 6 degrees of freedom.
+const HALF_WEIGHT: [f64; 2] = [2.80, 3.55];
+/// Distances of points and of poses beyond which a measurement is an outlier: the 99.99 % quantiles.
+const OUTLIER: [f64; 2] = [4.59, 5.27];
 /// Ratio of a parameter's standard deviation to its prior above which it counts as not determined.
 const UNDETERMINED: f64 = 0.5;
 
@@ -46,8 +48,12 @@ pub(super) fn estimate(
         weights: vec![1.0; measured.len()],
         unbounded: [vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]],
     };
-    let mut x = initial_base(&residuals, &vec![0.0; count]);
-    let before = rms(&residuals, &vec![0.0; count], &[]);
+    let model = vec![0.0; count];
+    let mut x = match calibration.parameters.base {
+        true => aligned(&residuals, &model),
+        false => model.clone(),
+    };
+    let before = rms(&residuals, &model, &[]);
     let mut state = SolverState::default();
     for _ in 0..ROUNDS {
         let (method, stopping) = (LevenbergMarquardt::default(), Stopping::default());
@@ -71,36 +77,31 @@ pub(super) fn estimate(
             residuals.weights = weights(&residuals, &x);
         }
     }
-    let distances = distances(&residuals, &x);
-    let (_, _, outlier) = thresholds(measured.rows());
-    let outliers = (distances.iter().enumerate()).filter(|(_, distance)| **distance > outlier);
-    let outliers: Vec<usize> = outliers.map(|(index, _)| index).collect();
-    if !calibration.is_robust {
-        residuals.weights.fill(1.0);
-    }
+    let largest = OUTLIER[usize::from(has_rotations)];
+    let outliers = distances(&residuals, &x).into_iter().enumerate();
+    let outliers = outliers.filter(|(_, distance)| *distance > largest);
+    let outliers = outliers.map(|(index, _)| index).collect();
     finished(&mut residuals, &x, before, outliers)
 }
 
-/// x with the placement of the base that the first measurement of the model itself gives, as the base may be anywhere.
-fn initial_base(residuals: &Residuals<'_>, zero: &[f64]) -> Vec<f64> {
-    let mut x = zero.to_vec();
-    let base = residuals
-        .parameters
-        .iter()
-        .filter(|parameter| parameter.place == Place::Base);
-    if base.count() == 0 {
-        return x;
-    }
-    // Kabsch's rotation between the positions of the model and the measured ones.
-    let count = residuals.measured.len();
-    let positions = |of: &dyn Fn(usize) -> Vector3<f64>| {
-        let all: Vec<Vector3<f64>> = (0..count).map(of).collect();
-        let sum = all.iter().fold(Vector3::zero(), |sum, point| sum + *point);
-        (all, sum * (1.0 / count as f64))
+/// The model's parameters with the placement of the base that aligns the model's positions with the measured ones: the
+/// measuring device may be anywhere.
+fn aligned(residuals: &Residuals<'_>, model: &[f64]) -> Vec<f64> {
+    let mut x = model.to_vec();
+    let measured = (0..residuals.measured.len()).map(|index| residuals.measured.position(index));
+    let measured: Vec<Vector3<f64>> = measured.collect();
+    let errors = residuals.errors_at(model).into_iter().zip(&measured);
+    let model: Vec<Vector3<f64>> = errors
+        .map(|((offset, _), position)| offset + *position)
+        .collect();
+    let mean = |points: &[Vector3<f64>]| {
+        let sum = points
+            .iter()
+            .fold(Vector3::zero(), |sum, point| sum + *point);
+        sum * (1.0 / points.len() as f64)
     };
-    let (measured, measured_mean) = positions(&|index| residuals.measured.position(index));
-    let (model, model_mean) =
-        positions(&|index| residuals.errors_at(zero, index).0 + residuals.measured.position(index));
+    let (measured_mean, model_mean) = (mean(&measured), mean(&model));
+    // Kabsch's rotation from the model to the measurements.
     let mut covariance = nalgebra::Matrix3::zeros();
     for (measured, model) in measured.iter().zip(&model) {
         let row = |vector: Vector3<f64>| nalgebra::Vector3::from(vector.to_array());
@@ -115,23 +116,19 @@ fn initial_base(residuals: &Residuals<'_>, zero: &[f64]) -> Vec<f64> {
         1.0,
         (u * v).determinant().signum(),
     ));
-    let rotation = kinopt_kinematics::spatial::Matrix3::from(u * sign * v);
-    let rotation_vector = kinopt_kinematics::spatial::rotation_log(&rotation);
+    let rotation = Matrix3::from(u * sign * v);
     let translation = measured_mean - rotation * model_mean;
-    let numbers = [translation.to_array(), rotation_vector.to_array()];
+    // The parameters of the base are the first.
+    let numbers = [translation.to_array(), rotation_log(&rotation).to_array()];
     for (value, number) in x.iter_mut().zip(numbers.as_flattened()) {
         *value = *number;
     }
     x
 }
 
-fn thresholds(rows: usize) -> (usize, f64, f64) {
-    THRESHOLDS[usize::from(rows == 6)]
-}
-
 /// Robust estimate of the noise from the residuals.
 fn noise(residuals: &Residuals<'_>, x: &[f64]) -> Noise {
-    let errors = (0..residuals.measured.len()).map(|index| residuals.errors_at(x, index));
+    let errors = residuals.errors_at(x).into_iter();
     let (positions, angles): (Vec<_>, Vec<_>) = errors.unzip();
     let deviation = |errors: &[Vector3<f64>]| {
         let numbers = errors.iter().flat_map(|error| error.to_array());
@@ -148,18 +145,17 @@ fn noise(residuals: &Residuals<'_>, x: &[f64]) -> Noise {
 
 /// Distance of each measurement from the fit, in standard deviations.
 fn distances(residuals: &Residuals<'_>, x: &[f64]) -> Vec<f64> {
-    let distance = |index| {
-        let (position, angle) = residuals.errors_at(x, index);
+    let distance = |(position, angle): (Vector3<f64>, Vector3<f64>)| {
         let position = position * (1.0 / residuals.noise.position);
         let angle = angle * (1.0 / residuals.noise.angle);
         (position.norm_squared() + angle.norm_squared()).sqrt()
     };
-    (0..residuals.measured.len()).map(distance).collect()
+    residuals.errors_at(x).into_iter().map(distance).collect()
 }
 
 /// Weights of Cauchy's loss (Huber and Ronchetti 2009, section 7.8).
 fn weights(residuals: &Residuals<'_>, x: &[f64]) -> Vec<f64> {
-    let (_, half, _) = thresholds(residuals.measured.rows());
+    let half = HALF_WEIGHT[usize::from(residuals.measured.has_rotations())];
     let distances = distances(residuals, x).into_iter();
     distances
         .map(|distance| 1.0 / (1.0 + distance * distance / (half * half)))
@@ -168,8 +164,9 @@ fn weights(residuals: &Residuals<'_>, x: &[f64]) -> Vec<f64> {
 
 /// Root mean square of the norms of the errors, without outliers.
 fn rms(residuals: &Residuals<'_>, x: &[f64], outliers: &[usize]) -> Rms {
-    let inliers = (0..residuals.measured.len()).filter(|index| !outliers.contains(index));
-    let errors: Vec<_> = inliers.map(|index| residuals.errors_at(x, index)).collect();
+    let errors = residuals.errors_at(x).into_iter().enumerate();
+    let inliers = errors.filter(|(index, _)| !outliers.contains(index));
+    let errors: Vec<_> = inliers.map(|(_, errors)| errors).collect();
     let mean = |of: fn(&(Vector3<f64>, Vector3<f64>)) -> f64| {
         (errors.iter().map(of).sum::<f64>() / errors.len().max(1) as f64).sqrt()
     };
@@ -207,18 +204,19 @@ fn finished(
             }
         });
     let estimates = estimates.collect();
-    let displacement = |place| Displacement::of(residuals.parameters, x, place).placement();
-    let joints = calibration.chain.joints.iter().enumerate();
-    let corrections = joints.map(|(k, joint)| Correction {
+    let displacements = residuals.displacements(x);
+    let mut placements = displacements.iter().map(Displacement::placement);
+    let device_from_base = placements.next().unwrap_or_else(Placement::identity);
+    let joints = calibration.chain.joints.iter().zip(placements.by_ref());
+    let corrections = joints.map(|(joint, placement)| Correction {
         joint: joint.name.clone(),
-        placement: displacement(Place::Joint(k)),
+        placement,
     });
-    let (base, tool): (Placement<f64>, Placement<f64>) =
-        (displacement(Place::Base), displacement(Place::Tool));
+    let corrections = corrections.collect();
     Calibrated {
-        corrections: corrections.collect(),
-        device_from_base: base,
-        tip_from_tool: tool,
+        corrections,
+        device_from_base,
+        tip_from_tool: placements.next().unwrap_or_else(Placement::identity),
         tip_joint: calibration.chain.tip_joint.clone(),
         before,
         after: rms(residuals, x, &outliers),

@@ -70,6 +70,17 @@ pub(super) enum Place {
     Tool,
 }
 
+impl Place {
+    /// Index among `count` places, from base to tool.
+    pub(super) fn index(self, count: usize) -> usize {
+        match self {
+            Self::Base => 0,
+            Self::Joint(joint) => joint + 1,
+            Self::Tool => count - 1,
+        }
+    }
+}
+
 /// Direction of a displacement, in the displaced frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Direction {
@@ -171,22 +182,22 @@ pub(super) struct Displacement {
 }
 
 impl Displacement {
-    /// Sum of the parameters of a place.
-    pub(super) fn of(parameters: &[Parameter], x: &[f64], place: Place) -> Self {
+    /// Sums of the parameters of each of `count` places, from base to tool.
+    pub(super) fn all(parameters: &[Parameter], x: &[f64], count: usize) -> Vec<Self> {
         let zero = Vector3::zero();
-        let mut sum = Self {
+        let none = Self {
             translation: zero,
             rotation: zero,
         };
+        let mut sums = vec![none; count];
         for (parameter, &value) in parameters.iter().zip(x) {
-            if parameter.place == place {
-                match parameter.direction {
-                    Direction::Translation(along) => sum.translation += along * value,
-                    Direction::Rotation(about) => sum.rotation += about * value,
-                }
+            let sum = &mut sums[parameter.place.index(count)];
+            match parameter.direction {
+                Direction::Translation(along) => sum.translation += along * value,
+                Direction::Rotation(about) => sum.rotation += about * value,
             }
         }
-        sum
+        sums
     }
 
     pub(super) fn placement(&self) -> Placement<f64> {

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::Calibration;
 use super::measurements::{Measurements, Noise};
-use super::parameters::{Direction, Displacement, Parameter, Place};
+use super::parameters::{Direction, Displacement, Parameter};
 
 /// Weighted residuals: measurement by measurement, then x over its prior.
 pub(super) struct Residuals<'a> {
@@ -24,8 +24,6 @@ pub(super) struct Residuals<'a> {
 
 /// Displaced frame of a measurement.
 struct DisplacedFrame {
-    place: Place,
-    displacement: Displacement,
     /// Axes before the displacement.
     axes: Matrix3<f64>,
     /// Origin after the displacement.
@@ -33,39 +31,41 @@ struct DisplacedFrame {
 }
 
 impl Residuals<'_> {
-    /// Placement of the tip, in the frame of the measuring device, and the displaced frames.
-    fn tip(&self, x: &[f64], index: usize) -> (Placement<f64>, Vec<DisplacedFrame>) {
+    /// Displacements at x of all places, from base to tool.
+    pub(super) fn displacements(&self, x: &[f64]) -> Vec<Displacement> {
+        let places = self.calibration.chain.joints.len() + 2;
+        Displacement::all(self.parameters, x, places)
+    }
+
+    /// Placement of the tip in the frame of the measuring device, and the displaced frames, from base to tool.
+    fn tip(
+        &self,
+        displacements: &[Displacement],
+        index: usize,
+    ) -> (Placement<f64>, Vec<DisplacedFrame>) {
         let chain = &self.calibration.chain;
         let count = chain.joints.len();
-        let mut frames = Vec::with_capacity(count + 2);
-        let mut placed = Placement::identity();
-        let mut displace = |place, placed: Placement<f64>| {
-            let displacement = Displacement::of(self.parameters, x, place);
-            let after = placed * displacement.placement();
+        let mut frames = Vec::with_capacity(displacements.len());
+        let mut displace = |placed: Placement<f64>| {
+            let after = placed * displacements[frames.len()].placement();
             frames.push(DisplacedFrame {
-                place,
-                displacement,
                 axes: placed.rotation,
                 origin: after.translation,
             });
             after
         };
-        placed = displace(Place::Base, placed);
+        let mut placed = displace(Placement::identity());
         let q = &self.configurations[count * index..count * (index + 1)];
-        for (k, (joint, &value)) in chain.joints.iter().zip(q).enumerate() {
-            placed = displace(Place::Joint(k), placed * joint.before_from_joint);
+        for (joint, &value) in chain.joints.iter().zip(q) {
+            placed = displace(placed * joint.before_from_joint);
             placed = placed * joint.kind.joint_from_moved(joint.axis, value);
         }
-        placed = displace(Place::Tool, placed * chain.last_from_tip);
+        placed = displace(placed * chain.last_from_tip);
         (placed, frames)
     }
 
     /// Position error, and rotation vector of the orientation error, in the axes of the measurement.
-    pub(super) fn errors(
-        &self,
-        tip: &Placement<f64>,
-        index: usize,
-    ) -> (Vector3<f64>, Vector3<f64>) {
+    fn errors(&self, tip: &Placement<f64>, index: usize) -> (Vector3<f64>, Vector3<f64>) {
         let offset = tip.translation - self.measured.position(index);
         match self.measured {
             Measurements::Poses(poses) => {
@@ -76,9 +76,13 @@ impl Residuals<'_> {
         }
     }
 
-    /// Errors of a measurement at x.
-    pub(super) fn errors_at(&self, x: &[f64], index: usize) -> (Vector3<f64>, Vector3<f64>) {
-        self.errors(&self.tip(x, index).0, index)
+    /// Errors of all measurements at x: see [`errors`](Self::errors).
+    pub(super) fn errors_at(&self, x: &[f64]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let displacements = self.displacements(x);
+        let tips = (0..self.measured.len()).map(|index| self.tip(&displacements, index).0);
+        tips.enumerate()
+            .map(|(index, tip)| self.errors(&tip, index))
+            .collect()
     }
 
     fn prior(&self, parameter: usize) -> f64 {
@@ -107,8 +111,8 @@ impl LeastSquares for Residuals<'_> {
         let (of_measurements, of_prior) =
             residual.split_at_mut(self.measured.rows() * self.measured.len());
         let rows = of_measurements.chunks_exact_mut(self.measured.rows());
-        for (index, rows) in rows.enumerate() {
-            let (position, angle) = self.errors_at(x, index);
+        let errors = self.errors_at(x);
+        for (index, (rows, (position, angle))) in rows.zip(errors).enumerate() {
             let weight = self.weights[index].sqrt();
             let scaled = [
                 position * (weight / self.noise.position),
@@ -127,27 +131,24 @@ impl LeastSquares for Residuals<'_> {
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         jacobian.fill(0.0);
         let rows = self.measured.rows();
+        let displacements = self.displacements(x);
         for index in 0..self.measured.len() {
-            let (tip, frames) = self.tip(x, index);
+            let (tip, frames) = self.tip(&displacements, index);
             let weight = self.weights[index].sqrt();
             let of_rotation = match self.measured {
                 Measurements::Poses(poses) => {
-                    let turned = poses[index].rotation.transpose() * tip.rotation;
-                    Some(
-                        rotation_log_jacobian(rotation_log(&turned))
-                            * poses[index].rotation.transpose(),
-                    )
+                    let (_, angle) = self.errors(&tip, index);
+                    Some(rotation_log_jacobian(angle) * poses[index].rotation.transpose())
                 }
                 Measurements::Points(_) => None,
             };
             for (column, parameter) in self.parameters.iter().enumerate() {
-                let Some(frame) = frames.iter().find(|frame| frame.place == parameter.place) else {
-                    continue;
-                };
+                let place = parameter.place.index(frames.len());
+                let (frame, displacement) = (&frames[place], &displacements[place]);
                 let (linear, angular) = match parameter.direction {
                     Direction::Translation(along) => (frame.axes * along, Vector3::zero()),
                     Direction::Rotation(about) => {
-                        let rate = rotation_exp_jacobian(frame.displacement.rotation) * about;
+                        let rate = rotation_exp_jacobian(displacement.rotation) * about;
                         let angular = frame.axes * rate;
                         (angular.cross(tip.translation - frame.origin), angular)
                     }

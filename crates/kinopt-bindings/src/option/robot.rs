@@ -1,7 +1,7 @@
 //! Options of a robot that is read from a file.
 
 use kinopt::model::Limits;
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::{BaseJoint, Robot, UrdfReader};
 
 use super::{OptionSpec, Setter};
 use crate::names::{MIMIC_LIMITS, named};
@@ -106,6 +106,12 @@ impl RobotOptions {
     /// # Errors
     /// If the file is malformed.
     pub fn parse<V: Value>(&self, text: &str, file: &str) -> Result<Robot, V::Error> {
+        self.reader().parse(text, file).or_raise::<V>()
+    }
+
+    /// Reader of a robot's file.
+    #[must_use]
+    pub fn reader(&self) -> UrdfReader {
         let mut reader = Robot::reader();
         if self.lenient {
             reader = reader.lenient();
@@ -113,7 +119,7 @@ impl RobotOptions {
         if self.confine {
             reader = reader.confined();
         }
-        reader.parse(text, file).or_raise::<V>()
+        reader
     }
 
     /// The robot with the limits of the options.

@@ -18,7 +18,11 @@ pub use options::TaskOptions;
 pub use residual::residual;
 pub use target::{Aimed, AnyTask, Goal, Move, NoTarget, NumericTarget, Target, moved};
 
+#[cfg(feature = "bodies")]
+use crate::error::ErrorKind;
 use crate::value::Value;
+#[cfg(feature = "bodies")]
+use crate::value::{Arguments, ErrorOf};
 
 /// Options of all tasks.
 pub const COMMON_OPTIONS: [&str; 6] = ["name", "weight", "scale", "tolerance", "role", "level"];
@@ -140,4 +144,33 @@ impl<V: Value, B: TaskBuilder<V>> Visit<V> for AddBounded<'_, B> {
         self.add
             .visit(Bounded::between(residual, self.lower, self.upper))
     }
+}
+
+/// Adds a task of a kind with an interval that costs nothing, `lower` to `upper` of the arguments `outer`.
+///
+/// # Errors
+/// If the task is bounded itself, or an argument is missing or has another type.
+#[cfg(feature = "bodies")]
+pub fn bounded<A: Arguments>(
+    outer: &A,
+    (kind, inner): (&str, &A),
+    on: &TaskModel<'_, A::Value>,
+    add: AddTask<'_, ProblemBuilder<'_>>,
+) -> Result<BoxedTask<A::Value>, ErrorOf<A>>
+where
+    A::Value: 'static,
+{
+    if kind == "bounded" {
+        let message = "nested `bounded`: use one interval instead".to_owned();
+        return Err(A::Value::error(ErrorKind::InvalidValue, message));
+    }
+    let bounded = AddBounded {
+        lower: outer.number_or("lower", f64::NEG_INFINITY)?,
+        upper: outer.number_or("upper", f64::INFINITY)?,
+        add: AddTask {
+            builder: add.builder,
+            options: add.options.or(TaskOptions::of(inner)?),
+        },
+    };
+    residual(inner, on, kind, bounded)
 }
