@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_char};
 
-use kinopt::model::{Masses, UnknownName};
+use kinopt::model::UnknownName;
 use kinopt::problem::ProblemBuilder;
 use kinopt::robot::Robot;
 use kinopt_bindings::json::JsonError;
@@ -107,7 +107,7 @@ fn add(
     builder: &mut ProblemBuilder<'_>,
 ) -> Result<BoxedTask<Json>, JsonError> {
     let model = robot.model();
-    let masses = || Masses::new(model, []).or_raise::<Json>();
+    let masses = || robot.masses().or_raise::<Json>();
     let on = TaskModel {
         model,
         masses: &masses,

@@ -13,10 +13,15 @@ use kinopt::spatial::Placement;
 use kinopt_bindings::placement::to_columns;
 use kinopt_c::KinoptStatus;
 use kinopt_c::arm::{kinopt_arm_free, kinopt_arm_new, kinopt_arm_solve};
+use kinopt_c::problem::{kinopt_problem_free, kinopt_problem_new};
 use kinopt_c::robot::{kinopt_robot_free, kinopt_robot_read};
 use kinopt_c::servo::{kinopt_servo_free, kinopt_servo_new, kinopt_servo_step};
 use kinopt_c::solution::{kinopt_solution_free, kinopt_solution_new, kinopt_solution_q};
 
+const NAO: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../models/aldebaran_nao.urdf"
+);
 const PANDA: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../models/franka_panda.urdf"
@@ -92,5 +97,31 @@ fn poses_and_servo_equal_those_of_rust() {
         kinopt_solution_free(solution);
         kinopt_arm_free(c_arm);
         kinopt_robot_free(c_robot);
+    }
+}
+
+#[test]
+fn task_of_the_centre_of_mass_has_the_masses_of_the_robot() {
+    // SAFETY: the pointers are those of live objects and texts.
+    unsafe {
+        let text = |text: &str| CString::new(text).unwrap();
+        let path = text(NAO);
+        let tasks = text(r#"[{"kind": "center of mass", "target": [0.0, 0.0, 0.3]}]"#);
+        let (mut robot, mut problem) = (null_mut(), null_mut());
+        let free = text(r#"{"base_joint": "free"}"#);
+        let read = kinopt_robot_read(path.as_ptr(), free.as_ptr(), &mut robot);
+        assert_eq!(read, KinoptStatus::Ok);
+        let created = kinopt_problem_new(
+            robot,
+            tasks.as_ptr(),
+            null(),
+            null(),
+            0.0,
+            null(),
+            &mut problem,
+        );
+        assert_eq!(created, KinoptStatus::Ok);
+        kinopt_problem_free(problem);
+        kinopt_robot_free(robot);
     }
 }
