@@ -217,7 +217,12 @@ impl<'a> Job<'a> {
         let mut map = guess.map;
         // The option has priority over the map.
         map.up = Some(read.up);
-        let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
+        let fitted = match &self.target.figure {
+            Some(figure) => {
+                Retargeting::onto_character(figure, &map, &read.capture, self.options())
+            }
+            None => Retargeting::new(robot, &map, &read.capture, self.options()),
+        };
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
         self.target.report_up_axis(fitted.model_stands_along());
         let stride = fitted.stride();

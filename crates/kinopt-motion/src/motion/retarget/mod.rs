@@ -6,10 +6,12 @@
 //! by frame](Retargeting::per_frame), like an online retargeter, or the [whole trajectory](Retargeting::whole).
 
 mod active_limits;
+mod anatomy;
 mod body_map;
 mod body_part;
 mod bounded_descent;
 mod capture;
+mod character;
 mod collision_free_frames;
 mod contacts;
 mod driven_point;
@@ -21,6 +23,7 @@ mod footholds;
 mod frame_errors;
 mod frame_problem;
 mod initial_pose;
+mod joint_rotations;
 mod known_maps;
 mod limb;
 mod limb_lengths;
@@ -49,6 +52,7 @@ pub use capture::Capture;
 pub use error::RetargetError;
 pub use figure_target::FigureTarget;
 pub use follower::BodyFollower;
+pub use joint_rotations::JointRotations;
 pub use known_maps::KnownSkeleton;
 pub use live::LiveFollower;
 pub use map_guess::MapGuess;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::character::CharacterMotion;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::{LimbContact, plant_limbs};
 use super::limbs::Limbs;
@@ -133,8 +134,10 @@ pub struct Retargeting<'r> {
     /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
     /// Targets in the robot's unit, by capture frame.
-    model_targets: Arc<[Vector3<f64>]>,
+    pub(super) model_targets: Arc<[Vector3<f64>]>,
     pub(super) limb_contacts: Vec<LimbContact>,
+    /// Transfer of rotations to a character.
+    pub(super) character: Option<Arc<CharacterMotion>>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -198,6 +201,7 @@ impl<'r> Retargeting<'r> {
             joints: capture.names().len(),
             targets,
             limb_contacts,
+            character: None,
             obstacles: None,
             cancelled: None,
         })
@@ -286,7 +290,7 @@ impl<'r> Retargeting<'r> {
     }
 
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
-    fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
+    pub(super) fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         for (limb, contact_levels) in contact_levels.iter_mut().enumerate() {
             let levels = self.neighbouring_spans(limb, frame).map(|span| {
@@ -324,6 +328,18 @@ impl<'r> Retargeting<'r> {
         contacts.map(|contact| &contact.span)
     }
 
+    /// Transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character(&self) -> Option<&CharacterMotion> {
+        let character = self.character.as_deref();
+        character.filter(|_| self.obstacles.is_none())
+    }
+
+    /// Shared transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character_motion(&self) -> Option<Arc<CharacterMotion>> {
+        self.rotated_character()?;
+        self.character.clone()
+    }
+
     /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
     ///
     /// # Errors
@@ -340,6 +356,10 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.per_frame(self.cancelled.as_deref())?;
+            return self.measure(q);
+        }
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }
