@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::anatomy::{Anatomy, JointTree, recognise};
 use super::body_map::DriveText;
+use super::human_bones::{HumanBones, parts_of_table};
 use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
@@ -174,12 +175,16 @@ impl BodyMap {
     /// Returns an error, with some of the names, if those of the capture or the model match no body. For a character,
     /// returns an error that lists missing parts, unless pelvis, head, arms and legs are found.
     pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
-        let CaptureParts {
-            joints,
-            skeleton,
-            notes,
-        } = parts_of_capture(capture);
-        Self::of_parts(capture, joints, skeleton, model, notes)
+        Self::default().guess_parts(capture, model)
+    }
+
+    /// Guesses assignments, by tables of human bones if the map has them.
+    fn guess_parts(&self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        let mut found = parts_of_capture(capture);
+        found
+            .joints
+            .extend(parts_of_table(&self.source_human_bones, capture.names()));
+        Self::of_parts(capture, found, model, &self.human_bones)
     }
 
     /// Completes a map without assignments by [guessed](Self::guess) ones. Otherwise only checks the proportions.
@@ -188,14 +193,17 @@ impl BodyMap {
     /// Returns the errors of `guess` for a map without assignments.
     pub fn completed(self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
         if self.drives.is_empty() {
-            let guess = Self::guess(capture, model)?;
+            let has_tables = !self.human_bones.is_empty() || !self.source_human_bones.is_empty();
+            let guess = self.guess_parts(capture, model)?;
             let map = Self {
                 drives: guess.map.drives,
                 contacts: self.contacts.or(guess.map.contacts),
+                human_bones: HumanBones::new(),
+                source_human_bones: HumanBones::new(),
                 ..self
             };
-            let note = NO_DRIVES_NOTE.to_owned();
-            let notes = std::iter::once(note).chain(guess.notes).collect();
+            let note = (!has_tables).then(|| NO_DRIVES_NOTE.to_owned());
+            let notes = note.into_iter().chain(guess.notes).collect();
             return Ok(MapGuess {
                 map,
                 notes,
@@ -231,16 +239,25 @@ impl BodyMap {
                     skeleton: skeleton.name(),
                     joints: first_names(capture.names().iter().map(String::as_str)),
                 })?;
-        Self::of_parts(capture, joints, Some(skeleton.name()), model, Vec::new())
+        let parts = CaptureParts {
+            joints,
+            skeleton: Some(skeleton.name()),
+            notes: Vec::new(),
+        };
+        Self::of_parts(capture, parts, model, &HumanBones::new())
     }
 
     fn of_parts(
         capture: &Capture,
-        joints: BTreeMap<BodyPart, usize>,
-        skeleton: Option<&'static str>,
+        parts: CaptureParts,
         model: &Model,
-        mut notes: Vec<String>,
+        human_bones: &HumanBones,
     ) -> Result<MapGuess, RetargetError> {
+        let CaptureParts {
+            joints,
+            skeleton,
+            mut notes,
+        } = parts;
         if joints.len() < MIN_PARTS {
             return Err(RetargetError::NoBody {
                 of: "the capture's joints",
@@ -250,7 +267,7 @@ impl BodyMap {
         let up = upright_axis(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let is_character = model.length_unit() == LengthUnit::Own;
-        let (body, parts) = match (KnownBody::of_model(model)?, is_character) {
+        let (body, mut parts) = match (KnownBody::of_model(model)?, is_character) {
             (Some(known), _) => (Some(known.name), known.parts),
             (None, true) => {
                 let (parts, body, of_tree) = parts_of_character(model)?;
@@ -276,6 +293,14 @@ impl BodyMap {
                 of: "the model's frames",
                 names: first_names(frames()),
             });
+        }
+        let names: Vec<String> = model
+            .frames()
+            .iter()
+            .map(|frame| frame.name.clone())
+            .collect();
+        for (part, frame) in parts_of_table(human_bones, &names) {
+            parts.insert(part, DriveText::Frame(names[frame].clone()));
         }
         if is_character {
             let joint = |joint: &usize| capture.names()[*joint].clone();

@@ -14,6 +14,9 @@ const MAX_SEGMENT_RATIO: f64 = 2.2;
 /// Smallest length of a segment, relative to the size of the tree.
 const MIN_SEGMENT: f64 = 0.03;
 
+/// Distance of both limbs, relative to their length, below which their first joints are joints of the trunk.
+const MIN_SPREAD: f64 = 0.01;
+
 /// Kind of a limb.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LimbKind {
@@ -161,6 +164,7 @@ fn pair(tree: &JointTree, a: &LimbJoints, b: &LimbJoints) -> Option<LimbPair> {
         .sum::<usize>() as f64;
     // Both limbs begin near each other.
     let spread = tree.distance(a_start, b_start) / (a.lengths[0] + a.lengths[1]);
+    let coincidence = if spread < MIN_SPREAD { 1.0 } else { 0.0 };
     let sides = match a.side == Some(BodySide::Right) || b.side == Some(BodySide::Left) {
         true => [*b, *a],
         false => [*a, *b],
@@ -169,6 +173,10 @@ fn pair(tree: &JointTree, a: &LimbJoints, b: &LimbJoints) -> Option<LimbPair> {
         sides,
         sides_named: a.side.is_some() && b.side.is_some(),
         names: a.names + b.names,
-        score: a.score + b.score - 3.0 * (asymmetry - 1.0) - 0.3 * depths - 0.3 * spread,
+        score: a.score + b.score
+            - 3.0 * (asymmetry - 1.0)
+            - 0.3 * depths
+            - 0.3 * spread
+            - coincidence,
     })
 }

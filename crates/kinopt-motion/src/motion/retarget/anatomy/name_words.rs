@@ -296,6 +296,10 @@ fn bone_name(words: &[String]) -> BoneName {
             rest.push_str(bare);
         }
     }
+    // CMU's `LHipJoint` is between the pelvis and the hip.
+    if rest == "hip" && side.is_some() && words.iter().any(|word| word == "joint") {
+        rest.push_str("joint");
+    }
     // Sides without a separator: `lthigh`, `leftupleg`, `左腕`.
     if side.is_none() {
         for (start, named) in [

@@ -60,10 +60,11 @@ impl<'r> Retargeting<'r> {
         fitted.set_foot_limbs(map, capture, &transfer, &limb_parts)?;
         fitted.set_character_targets(capture, &transfer, &limb_parts);
         let foot_limbs = foot_limbs(&limb_parts);
+        let feet = fitted.foot_targets(&foot_limbs, &transfer);
         fitted.character = Some(Arc::new(CharacterMotion {
             transfer,
             capture: capture.clone(),
-            feet: fitted.foot_targets(&foot_limbs),
+            feet,
             blend_frames: fitted.options.contacts.lead_frames(fitted.frame_rate),
         }));
         Ok(fitted)

@@ -23,6 +23,11 @@ use kinopt_kinematics::spatial::Vector3;
 /// Length of a leg, relative to its full length, up to which it extends for a foot's target. A subject's straight leg
 /// stays straight.
 const MAX_EXTENSION: f64 = 0.985;
+/// Share of the difference of the hip widths by which feet are moved apart: a compromise between the directions of the
+/// legs and the places of the feet.
+const STANCE_SHARE: f64 = 0.5;
+/// Level of contact that keeps the ankle of a free foot at its place.
+const MIN_CONTACT_LEVEL: f64 = 1e-4;
 /// Largest distance by which the hips are lowered for the feet, relative to the leg.
 const MAX_DROP: f64 = 0.25;
 /// Quantile of the heights of the lowest foot that counts as the ground.
@@ -42,8 +47,30 @@ pub(in super::super) struct SubjectFrame<'a> {
 pub(super) struct FootTarget {
     pub(super) ankle: DVec3,
     pub(super) toe: Option<DVec3>,
-    /// Contact of the toe while the heel is off the ground, from 0 (none) to 1.
-    pub(super) on_toe: f64,
+}
+
+impl FootTarget {
+    /// Returns the target at the foot's length from the ankle to the toe. Of a contact and a free point the free one
+    /// moves. The levels of contact are from 0 (free) to 1.
+    pub(super) fn with_length(
+        ankle: DVec3,
+        toe: Option<DVec3>,
+        length: f64,
+        [ankle_level, toe_level]: [f64; 2],
+    ) -> Self {
+        let Some(place) = toe else {
+            return Self { ankle, toe };
+        };
+        let hold = |level: f64| level / (1.0 + MIN_CONTACT_LEVEL - level);
+        let (at_ankle, at_toe) = (hold(ankle_level) + MIN_CONTACT_LEVEL, hold(toe_level));
+        let along = place - ankle;
+        let excess = along - along.normalize_or(DVec3::Y) * length;
+        let toe_share = at_ankle / (at_ankle + at_toe);
+        Self {
+            ankle: ankle + excess * (1.0 - toe_share),
+            toe: Some(place - excess * toe_share),
+        }
+    }
 }
 
 /// Source of a bone's rotation, with its aligned rest rotation.
@@ -101,7 +128,13 @@ impl CharacterTransfer {
             .collect();
         let parts: Vec<Option<BodyPart>> = drives.iter().map(|(.., part)| *part).collect();
         let positioned = Correspondence::new(&tree, None, &pairs, &parts);
-        let reference = ReferencePose::new(capture, up, &positioned.joints);
+        let at_rest = |part: BodyPart| {
+            positioned
+                .bones
+                .get(&part)
+                .map(|bone| bones[*bone].position)
+        };
+        let reference = ReferencePose::new(capture, up, &positioned.joints, &at_rest);
         let source = capture.posed().map(|posed| {
             JointTree::new(
                 capture.names().to_vec(),
@@ -116,12 +149,6 @@ impl CharacterTransfer {
             let rest = rest.map(|(bone, aligned)| (aligned * bone.rest).normalize());
             Rig::new(&bones, relation, rest.collect())
         });
-        let at_rest = |part: BodyPart| {
-            positioned
-                .bones
-                .get(&part)
-                .map(|bone| bones[*bone].position)
-        };
         let part_rest = part_rotations(&at_rest);
         let below = |tree: &JointTree, parts: &BTreeMap<BodyPart, usize>| -> Vec<usize> {
             let ankles = LEGS.iter().filter_map(|[.., ankle, _]| parts.get(ankle));
@@ -201,7 +228,18 @@ impl CharacterTransfer {
     /// Scaled place of a part of a foot over the character's ground.
     pub(super) fn foot_place(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
         let position = self.captured(part, frame)? - DVec3::Z * self.ground;
-        Some(position * self.sizes.stride + DVec3::Z * self.sizes.rise(part))
+        let place = position * self.sizes.stride + DVec3::Z * self.sizes.rise(part);
+        Some(place + self.stance_shift(part, frame).unwrap_or(DVec3::ZERO))
+    }
+
+    /// Sideways shift of a foot for a character whose hips are wider or narrower than the scaled subject's.
+    fn stance_shift(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
+        let [[left, ..], [right, ..]] = LEGS;
+        let across = self.captured(left, frame)? - self.captured(right, frame)?;
+        let level = DVec3::new(across.x, across.y, 0.0);
+        let side = if LEGS[0].contains(&part) { 0.5 } else { -0.5 };
+        let direction = level.normalize_or_zero() * side;
+        Some(direction * (STANCE_SHARE * self.sizes.wider_hips))
     }
 
     /// Height of a part of a foot over the ground when the character stands.
@@ -212,6 +250,15 @@ impl CharacterTransfer {
             .iter()
             .find(|(known, _)| *known == part);
         found.map_or(0.0, |(_, height)| *height)
+    }
+
+    /// Distance from the ankle to the toe of a leg; 0 without a toe.
+    pub(super) fn foot_length(&self, leg: &[BodyPart; 4]) -> f64 {
+        let at = |part: BodyPart| self.bone(part).map(|bone| self.bones[bone].position);
+        let [ankle, toe] = [at(leg[2]), at(leg[3])];
+        ankle
+            .zip(toe)
+            .map_or(0.0, |(ankle, toe)| ankle.distance(toe))
     }
 
     /// Scaled place of the middle of the hips; of the pelvis without legs.
@@ -463,7 +510,7 @@ impl CharacterTransfer {
             };
             let full = hip.distance(knee) + knee.distance(ankle);
             let reach = (MAX_EXTENSION * full).max(hip.distance(ankle));
-            let place = self.ankle_target(leg, target, pose);
+            let place = target.ankle;
             let level = DVec3::new(place.x - hip.x, place.y - hip.y, 0.0).length();
             let height = (reach * reach - level * level).max(0.0).sqrt();
             lowered = lowered.max(hip.z - place.z - height);
@@ -475,17 +522,6 @@ impl CharacterTransfer {
     fn leg_positions(&self, leg: &[BodyPart; 4], pose: &BonePose) -> Option<[DVec3; 3]> {
         let at = |part: BodyPart| self.bone(part).map(|bone| pose.positions[bone]);
         Some([at(leg[0])?, at(leg[1])?, at(leg[2])?])
-    }
-
-    /// Target of the ankle. While only the toe is in contact, the toe stays at its place.
-    fn ankle_target(&self, leg: &[BodyPart; 4], target: &FootTarget, pose: &BonePose) -> DVec3 {
-        let [ankle, toe] = [leg[2], leg[3]].map(|part| self.bone(part));
-        let (Some(ankle), Some(toe), Some(place)) = (ankle, toe, target.toe) else {
-            return target.ankle;
-        };
-        let foot = (pose.positions[ankle] - pose.positions[toe]).length();
-        let from_toe = place + (target.ankle - place).normalize_or_zero() * foot;
-        target.ankle.lerp(from_toe, target.on_toe)
     }
 
     /// Bends a leg so that its ankle reaches the target.
@@ -503,7 +539,7 @@ impl CharacterTransfer {
             return;
         };
         let forward = self.forward(hip, pose);
-        let rotation = leg_rotation(joints, self.ankle_target(leg, target, pose), forward);
+        let rotation = leg_rotation(joints, target.ankle, forward);
         for (bone, correction) in corrections.iter_mut().enumerate() {
             let is_on = |below: usize| bone == below || self.is_below(bone, below);
             if is_on(ankle) || !is_on(hip) {
