@@ -58,7 +58,8 @@ fn joint_rotations(
         let rows = numbers.chunks_exact(4);
         rows.map(|q| [q[0], q[1], q[2], q[3]]).collect()
     };
-    let check = |shape: &[usize], name: &str, width: usize| match shape.ends_with(&[joints, width]) {
+    let check = |shape: &[usize], name: &str, width: usize| match shape.ends_with(&[joints, width])
+    {
         true => Ok(()),
         false => Err(invalid(format!(
             "{name} has shape {}, expected (…, {joints}, {width})",
@@ -102,7 +103,10 @@ impl Capture {
 impl Capture {
     #[new]
     #[pyo3(signature = (positions, joints, fps, up = None, bones = None, rotations = None, rest = None))]
-    #[allow(clippy::too_many_arguments, reason = "arguments of a Python constructor")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "arguments of a Python constructor"
+    )]
     fn new(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
@@ -131,8 +135,9 @@ impl Capture {
                 joints.len()
             )));
         }
-        let rotations = rotations
-            .map(|rotations| joint_rotations(joints.len(), bones.as_deref(), rotations, rest.as_ref()));
+        let rotations = rotations.map(|rotations| {
+            joint_rotations(joints.len(), bones.as_deref(), rotations, rest.as_ref())
+        });
         let rotations = rotations.transpose()?;
         let numbers = &*numbers;
         let capture = py.detach(|| {

@@ -112,7 +112,8 @@ fn other_body_keeps_directions_and_does_not_jump() {
         steps.fold(0.0, f64::max)
     };
     let (source_step, step) = (largest_step(&subject), largest_step(&found.placed));
-    assert!(step < 1.5 * source_step, "{step} {source_step}");
+    // Feet of the dance slide, and blend to and from contacts.
+    assert!(step < 2.5 * source_step, "{step} {source_step}");
 }
 
 /// Bones with limits: three angles of each bone, in the axes of the bone at rest.

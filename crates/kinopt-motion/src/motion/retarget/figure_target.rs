@@ -84,7 +84,7 @@ impl FigureTarget {
         })
     }
 
-    /// Returns the upward axis of a file: that from the ankles to the pelvis of a skeleton that stands at rest.
+    /// Returns the upward axis of a file: that from the ankles to the pelvis at rest.
     #[must_use]
     pub fn up_axis(skeleton: &Skeleton) -> Option<UpAxis> {
         let (tree, _) = JointTree::of_character(skeleton.model())?;

@@ -108,29 +108,37 @@ pub(super) fn tree_parts_or_named<T>(
     }
 }
 
+/// Body parts among the bones of a character.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CharacterParts {
+    pub(super) bones: BTreeMap<BodyPart, DriveText>,
+    /// Built-in body that matches the names.
+    body: Option<&'static str>,
+    /// Disagreements of names and tree.
+    notes: Vec<String>,
+}
+
 /// Returns the bone of each part of a character, by a built-in body, the tree or names.
-pub(super) fn parts_of_character(
-    model: &Model,
-) -> Result<
-    (
-        BTreeMap<BodyPart, DriveText>,
-        Option<&'static str>,
-        Vec<String>,
-    ),
-    RetargetError,
-> {
+pub(super) fn parts_of_character(model: &Model) -> Result<CharacterParts, RetargetError> {
     if let Some(known) = KnownBody::of_model(model)? {
-        return Ok((known.parts, Some(known.name), Vec::new()));
+        return Ok(CharacterParts {
+            bones: known.parts,
+            body: Some(known.name),
+            notes: Vec::new(),
+        });
     }
     let Some((tree, _)) = JointTree::of_character(model) else {
-        return Ok(Default::default());
+        return Ok(CharacterParts::default());
     };
     let Anatomy { parts, notes } = recognise(&tree, &tree.positions);
     let named = parts_of(tree.names.iter().map(String::as_str));
     let parts = tree_parts_or_named(parts, named).into_iter();
     let bone = |joint: usize| DriveText::Frame(tree.names[joint].clone());
-    let parts = parts.map(|(part, joint)| (part, bone(joint)));
-    Ok((parts.collect(), None, notes))
+    Ok(CharacterParts {
+        bones: parts.map(|(part, joint)| (part, bone(joint))).collect(),
+        body: None,
+        notes,
+    })
 }
 
 /// Returns an error that lists the missing parts of an incomplete body.
@@ -270,9 +278,9 @@ impl BodyMap {
         let (body, mut parts) = match (KnownBody::of_model(model)?, is_character) {
             (Some(known), _) => (Some(known.name), known.parts),
             (None, true) => {
-                let (parts, body, of_tree) = parts_of_character(model)?;
-                notes.extend(of_tree);
-                (body, parts)
+                let found = parts_of_character(model)?;
+                notes.extend(found.notes);
+                (found.body, found.bones)
             }
             (None, false) => {
                 let moving: Vec<_> = model

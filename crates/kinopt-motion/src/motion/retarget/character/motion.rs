@@ -77,7 +77,7 @@ fn drives_with_parts(
     map: &BodyMap,
     capture: &Capture,
 ) -> Result<Vec<(usize, usize, Option<BodyPart>)>, RetargetError> {
-    let (parts, ..) = parts_of_character(figure.robot().model())?;
+    let parts = parts_of_character(figure.robot().model())?.bones;
     let part_of_bone: BTreeMap<&str, BodyPart> = parts
         .iter()
         .map(|(part, bone)| (bone.frame(), *part))

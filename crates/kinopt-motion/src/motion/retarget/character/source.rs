@@ -9,7 +9,7 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Largest number of capture frames among which a reference pose is searched.
 const MAX_SEARCHED_FRAMES: usize = 2000;
-/// Smallest cosine of the angle of legs and spine with the vertical in a rest pose of a person who stands.
+/// Smallest cosine of the angle of legs and spine with the vertical in an upright rest pose.
 const MIN_UPRIGHT: f64 = 0.7;
 
 /// Smallest cosine of the angle between equal directions.
@@ -37,9 +37,9 @@ pub(super) fn upright_rotation(up: UpAxis, q: DQuat) -> DQuat {
 }
 
 impl ReferencePose {
-    /// Selects the rest pose if the subject stands in it. Otherwise selects the captured pose that is most like
-    /// standing, as for files whose bones at rest are all along one axis. `character` are the positions of a character at
-    /// rest: a subject with the same rest pose keeps its own.
+    /// Selects the rest pose if the subject is upright in it. Otherwise selects the most upright captured pose, as for
+    /// files whose bones at rest are all along one axis. `character` are the positions of a character at rest: a subject
+    /// with the same rest pose keeps its own.
     pub(super) fn new(
         capture: &Capture,
         up: UpAxis,
@@ -110,8 +110,8 @@ fn have_equal_directions(
     })
 }
 
-/// Returns the smallest cosine of the angles between the vertical and the limbs of the legs and the trunk: 1 for a
-/// person who stands upright.
+/// Returns the smallest cosine of the angles between the vertical and the limbs of the legs and the trunk: 1 for an
+/// upright person.
 fn uprightness(positions: &[DVec3], joints: &BTreeMap<BodyPart, usize>) -> f64 {
     let at = |part: BodyPart| joints.get(&part).and_then(|joint| positions.get(*joint));
     let cosines = LIMBS.iter().filter_map(|(from, to)| {

@@ -23,9 +23,6 @@ use kinopt_kinematics::spatial::Vector3;
 /// Length of a leg, relative to its full length, up to which it extends for a foot's target. A subject's straight leg
 /// stays straight.
 const MAX_EXTENSION: f64 = 0.985;
-/// Share of the difference of the hip widths by which feet are moved apart: a compromise between the directions of the
-/// legs and the places of the feet.
-const STANCE_SHARE: f64 = 0.5;
 /// Level of contact that keeps the ankle of a free foot at its place.
 const MIN_CONTACT_LEVEL: f64 = 1e-4;
 /// Largest distance by which the hips are lowered for the feet, relative to the leg.
@@ -75,7 +72,7 @@ impl FootTarget {
 
 /// Source of a bone's rotation, with its aligned rest rotation.
 #[derive(Clone, Debug)]
-struct Rig {
+struct BoneRig {
     relation: Correspondence,
     /// Rotation of each bone in the aligned rest pose.
     rest: Vec<DQuat>,
@@ -97,9 +94,9 @@ pub(super) struct CharacterTransfer {
     pub(super) bones: Vec<CharacterBone>,
     reference: ReferencePose,
     /// Relation of captures with rotations.
-    posed: Option<Rig>,
+    posed: Option<BoneRig>,
     /// Relation of captures with positions only.
-    positioned: Rig,
+    positioned: BoneRig,
     /// Rotations of the character's parts at rest, by their positions.
     part_rest: BTreeMap<BodyPart, DQuat>,
     pub(super) sizes: Sizes,
@@ -147,7 +144,7 @@ impl CharacterTransfer {
             let aligned = alignments(&bones, &tree, Some(source), &reference.positions, &relation);
             let rest = bones.iter().zip(aligned);
             let rest = rest.map(|(bone, aligned)| (aligned * bone.rest).normalize());
-            Rig::new(&bones, relation, rest.collect())
+            BoneRig::new(&bones, relation, rest.collect())
         });
         let part_rest = part_rotations(&at_rest);
         let below = |tree: &JointTree, parts: &BTreeMap<BodyPart, usize>| -> Vec<usize> {
@@ -168,7 +165,7 @@ impl CharacterTransfer {
             ],
         );
         let at_rest = bones.iter().map(|bone| bone.rest).collect();
-        let positioned = Rig::new(&bones, positioned, at_rest);
+        let positioned = BoneRig::new(&bones, positioned, at_rest);
         let mut transfer = Self {
             bones,
             reference,
@@ -232,17 +229,18 @@ impl CharacterTransfer {
         Some(place + self.stance_shift(part, frame).unwrap_or(DVec3::ZERO))
     }
 
-    /// Sideways shift of a foot for a character whose hips are wider or narrower than the scaled subject's.
+    /// Sideways shift of a foot for a character whose hips are wider or narrower than the scaled subject's, so that its
+    /// legs keep their directions.
     fn stance_shift(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
         let [[left, ..], [right, ..]] = LEGS;
         let across = self.captured(left, frame)? - self.captured(right, frame)?;
         let level = DVec3::new(across.x, across.y, 0.0);
         let side = if LEGS[0].contains(&part) { 0.5 } else { -0.5 };
         let direction = level.normalize_or_zero() * side;
-        Some(direction * (STANCE_SHARE * self.sizes.wider_hips))
+        Some(direction * self.sizes.wider_hips)
     }
 
-    /// Height of a part of a foot over the ground when the character stands.
+    /// Height of a part of a foot over the ground at rest.
     pub(super) fn clearance(&self, part: BodyPart) -> f64 {
         let found = self
             .sizes
@@ -292,7 +290,7 @@ impl CharacterTransfer {
     }
 
     /// Rotation of each captured joint from the reference pose, with z up.
-    fn deltas(&self, frame: SubjectFrame<'_>) -> (Vec<DQuat>, &Rig) {
+    fn deltas(&self, frame: SubjectFrame<'_>) -> (Vec<DQuat>, &BoneRig) {
         let joints = frame.positions.len();
         if let (Some(rig), Some(rotations), Some(reference)) =
             (&self.posed, frame.rotations, &self.reference.rotations)
@@ -364,7 +362,7 @@ impl CharacterTransfer {
     /// Rotates and places all bones, with corrections in the world after their transferred rotations.
     fn solve(
         &self,
-        rig: &Rig,
+        rig: &BoneRig,
         deltas: &[DQuat],
         corrections: &[DQuat],
         previous: Option<&[[f64; 3]]>,
@@ -423,7 +421,13 @@ impl CharacterTransfer {
     }
 
     /// Rotates twist bones, which depend on the ends of their limbs.
-    fn twist(&self, rig: &Rig, base: DQuat, previous: Option<&[[f64; 3]]>, pose: &mut BonePose) {
+    fn twist(
+        &self,
+        rig: &BoneRig,
+        base: DQuat,
+        previous: Option<&[[f64; 3]]>,
+        pose: &mut BonePose,
+    ) {
         for bone in 0..self.bones.len() {
             let turn = match rig.relation.motions[bone] {
                 BoneMotion::TwistToEnd {
@@ -469,7 +473,7 @@ impl CharacterTransfer {
     /// Rotates the bones of spine and neck so that the trunk has the subject's direction. Returns whether it changed.
     fn correct_trunk(
         &self,
-        rig: &Rig,
+        rig: &BoneRig,
         frame: SubjectFrame<'_>,
         pose: &BonePose,
         corrections: &mut [DQuat],
@@ -587,7 +591,7 @@ impl CharacterTransfer {
     }
 }
 
-impl Rig {
+impl BoneRig {
     fn new(bones: &[CharacterBone], relation: Correspondence, rest: Vec<DQuat>) -> Self {
         let base = base_motion(bones, &relation, &rest);
         Self {
