@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
+mod capture_conventions;
 mod clip_ik;
 mod clip_minima;
 mod clip_reaches;
@@ -31,6 +32,7 @@ mod retargeted_collision_avoidance;
 mod retargeted_feet;
 mod retargeted_soles;
 mod retargeting;
+mod scores;
 mod shipped_capture;
 mod slide;
 mod spliced_keys;

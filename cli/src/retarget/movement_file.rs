@@ -4,8 +4,9 @@ use std::path::Path;
 
 use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::RetargetReport;
+use kinopt_bindings::motion_file::write_robot_glb;
 use kinopt_bindings::trajectory_file::{
-    Contacts, EXTENSIONS, FigureFile, TrajectoryFormat, TrajectoryTable, write_figure,
+    Contacts, EXTENSIONS, FigureFile, TableLayout, TrajectoryFormat, TrajectoryTable, write_figure,
 };
 
 use super::target::Target;
@@ -36,9 +37,9 @@ pub(super) fn extension_of(format: TrajectoryFormat) -> &'static str {
 
 /// Returns an error if the target cannot be written in a format.
 pub(super) fn check(format: TrajectoryFormat, target: &Target) -> Outcome<()> {
-    match format.needs_figure() && target.skeleton().is_none() {
+    match format == TrajectoryFormat::Bvh && target.skeleton().is_none() {
         true => Err(usage!(
-            "{}: .bvh and .glb require a figure; use .npz, .json or .csv for a robot",
+            "{}: .bvh requires a figure; use .npz, .json, .csv or .glb for a robot",
             target.loaded.file
         )),
         false => Ok(()),
@@ -50,12 +51,13 @@ pub(super) fn write(
     format: TrajectoryFormat,
     target: &Target,
     retargeted: &Trajectory<RetargetReport>,
-    (name, header): (&str, bool),
+    name: &str,
+    (header, layout): (bool, TableLayout),
     to: &Path,
 ) -> Outcome<()> {
     let (report, loaded) = (&retargeted.report, &target.loaded);
     let figure = target.figure.as_ref().zip(target.skeleton());
-    if let Some((figure, skeleton)) = figure.filter(|_| format.needs_figure()) {
+    if let Some((figure, skeleton)) = figure.filter(|_| format.has_bones()) {
         let skin = match (format, &loaded.scene, &loaded.capture) {
             (TrajectoryFormat::Glb, None, None) => loaded.skin(None).ok(),
             _ => None,
@@ -78,6 +80,10 @@ pub(super) fn write(
         let motion = (&*retargeted.q, report.frame_rate);
         return Ok(write_figure(figure, file, motion, name, (format, to))?);
     }
+    if format == TrajectoryFormat::Glb {
+        let motion = (&*retargeted.q, report.frame_rate);
+        return Ok(write_robot_glb(&target.robot, motion, name, to)?);
+    }
     let contacts = Contacts {
         frame_rate: report.frame_rate,
         frames: report.contact_frames.clone(),
@@ -90,6 +96,7 @@ pub(super) fn write(
         q: &retargeted.q,
         contacts: Some(&contacts),
         is_free: target.is_free(),
+        layout,
     };
     Ok(table.write(format, header, to)?)
 }

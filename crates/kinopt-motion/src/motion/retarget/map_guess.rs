@@ -35,7 +35,7 @@ pub struct MapGuess {
 }
 
 /// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
-pub(super) fn parts_of_capture(
+pub(in crate::motion) fn parts_of_capture(
     capture: &Capture,
 ) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
     let known = KnownSkeleton::of_joints(capture.names());

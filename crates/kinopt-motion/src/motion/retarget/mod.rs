@@ -36,6 +36,7 @@ mod proportions;
 mod retarget_report;
 mod retargeting;
 mod sole;
+mod stick_person;
 mod switchable_residual;
 mod unit;
 mod up_detection;
@@ -54,3 +55,7 @@ pub use live::LiveFollower;
 pub use map_guess::MapGuess;
 pub use retarget_report::{LostContact, RetargetReport, Touching};
 pub use retargeting::{RetargetOptions, Retargeting};
+
+pub(super) use map_guess::parts_of_capture;
+pub(super) use part_names::{bare, parts_of};
+pub(super) use stick_person::stick_person;
