@@ -66,9 +66,9 @@ impl MotionCapture {
     /// Reads a motion of SMPL, SMPL-H or SMPL-X from a .npz file with the arrays of AMASS: `poses`, `trans`,
     /// `mocap_frame_rate`, and optionally `betas` and `jtr`. Bones have the names of SMPL's joints, lengths are metres.
     ///
-    /// Rest joints are those of `jtr`, else those of `body_model` (the path of a .npz file with `J_regressor`,
-    /// `v_template` and `shapedirs`) for the file's `betas`, else those of a default skeleton of `height` metres (None:
-    /// 1.7), with a note.
+    /// Rest joints are those of `jtr`. A file without them takes those of `body_model` for its `betas`: the path of a .npz
+    /// file with `J_regressor`, `v_template` and `shapedirs`. Else they are those of a default skeleton of `height` metres
+    /// (None: 1.7), with a note.
     ///
     /// Raises `FileError` and `InvalidFileError`, and `InvalidValueError` for both `body_model` and `height`.
     #[classmethod]

@@ -24,6 +24,7 @@ mod keys_without_limits;
 mod known_skeletons;
 mod length_units;
 mod low_postures;
+mod marker_sets;
 mod mimic_joint_speeds;
 mod one_sided_limits;
 mod online_retargeting;

@@ -47,7 +47,7 @@ collisions: docs/guide/retargeting.md. Collision shapes are keys of the --proble
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Movement .bvh, .glb, .gltf, .vrm, .npz, .npy (frames, joints, 3) or rig .json; or a folder.
+    /// Movement .bvh, .glb, .gltf, .vrm, .npz, .c3d, .npy (frames, joints, 3), rig .json; or a folder.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
 

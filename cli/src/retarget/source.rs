@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
+use kinopt::io::c3d;
 use kinopt::io::numpy::NumpyArray;
 use kinopt::io::smpl::{self, RestJoints};
 use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
@@ -123,6 +124,10 @@ impl SourceOptions {
                 let capture = Capture::of_clip(&motion.armature, &motion.clip, rate);
                 (capture.map_err(with_file)?, UpAxis::Z)
             }
+            "c3d" => {
+                let markers = c3d::read(path)?;
+                (Capture::of_markers(&markers).map_err(with_file)?, UpAxis::Z)
+            }
             "bvh" | "glb" | "gltf" | "vrm" => {
                 let animated = AnimatedArmature::read(path)?;
                 for note in &animated.notes {
@@ -150,7 +155,7 @@ impl SourceOptions {
             }
             _ => {
                 return Err(usage!(
-                    "{file}: unsupported extension; expected .npz, .npy, .bvh, .glb, .gltf, .vrm or a rig's .json"
+                    "{file}: unsupported extension; expected .npz, .npy, .c3d, .bvh, .glb, .gltf, .vrm or a rig's .json"
                 ));
             }
         };

@@ -28,6 +28,7 @@ mod limb_tree;
 mod limbs;
 mod live;
 mod map_guess;
+mod marker_set;
 mod obstacles;
 mod over_ground;
 mod part_names;

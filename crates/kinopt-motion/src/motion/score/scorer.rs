@@ -167,8 +167,8 @@ impl<'r> MotionScorer<'r> {
     /// Scores configurations at a rate in samples per second. A free base has a quaternion w, x, y, z.
     ///
     /// # Errors
-    /// Returns an error if the numbers are not configurations of the robot, if an option is out of its range, or if the
-    /// motion begins after the end of the capture.
+    /// Returns an error if the numbers are not configurations of the robot, or if an option is out of its range. Returns an
+    /// error if the motion begins after the end of the capture.
     pub fn score(&self, q: &[f64], frame_rate: f64) -> Result<MotionScore, ScoreError> {
         self.check_motion(q, frame_rate)?;
         let body = self.robot.model();
