@@ -124,8 +124,36 @@ fn gaps_are_filled_linearly() {
     Capture::of_markers(&unnamed).says("LASI or LFWT | the file has MLFHD");
 }
 
+/// The markers of [`person`] in millimetres at 50 frames per second, as ezc3d 1.7.2 writes them. `LKNE` is unseen in
+/// frames 5 to 8.
+const FILE: &[u8] = include_bytes!("person.c3d");
+
+#[test]
+fn file_of_another_program_is_read() {
+    let read = c3d::from_bytes(FILE, "person.c3d").unwrap();
+    let expected = person(str::to_owned, 12);
+    assert_eq!(
+        (&read.names, read.frames(), read.frame_rate),
+        (&expected.names, 12, 50.0)
+    );
+    let (knee, count) = (read.marker("LKNE").unwrap(), read.names.len());
+    let gaps: Vec<usize> = (0..12)
+        .filter(|frame| read.positions[frame * count + knee].is_none())
+        .collect();
+    assert_eq!(gaps, [5, 6, 7, 8]);
+    for (index, (found, expected)) in read.positions.iter().zip(&expected.positions).enumerate() {
+        let distance = found.map_or(0.0, |found| found.distance(expected.unwrap()));
+        assert!(distance < 1e-6, "{index}: {distance} m");
+    }
+}
+
 #[test]
 fn damaged_files_are_errors() {
+    for length in (0..FILE.len() - 512).step_by(97) {
+        // A file may end within its last block, which is padded.
+        let cut = c3d::from_bytes(&FILE[..length], "cut.c3d");
+        assert!(cut.is_err(), "{length} bytes");
+    }
     for bytes in [&b""[..], b"C3D", &[0; 600], &[2, 0x50, 0, 0]] {
         c3d::from_bytes(bytes, "bad.c3d").says("bad.c3d: not a C3D file, or damaged");
     }

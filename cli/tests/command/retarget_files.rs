@@ -15,7 +15,7 @@ fn json(path: &str) -> serde_json::Value {
     serde_json::from_str(&text(path)).unwrap()
 }
 
-fn rows(path: &str) -> Vec<Vec<f64>> {
+pub(crate) fn rows(path: &str) -> Vec<Vec<f64>> {
     let text = text(path);
     let row = |line: &str| {
         line.split(',')

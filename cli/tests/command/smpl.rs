@@ -77,7 +77,7 @@ fn amass_motion_is_retargeted() {
     let shape = folder.file("shape.npz");
     let betas = Column::Numbers(&[0.0]);
     std::fs::write(&shape, npz(&[("betas", &[1], betas)]).unwrap()).unwrap();
-    refused!("retarget {shape} {command}" => 1, "unknown array `trans` | betas");
+    refused!("retarget {shape} {command}" => 1, "no array named `trans`; valid names: betas");
 }
 
 #[test]

@@ -35,11 +35,12 @@ impl ComparedLimb {
     pub(super) fn direction(&self, track: &PointTrack, sample: usize) -> Vector3<f64> {
         track.mean(sample, &self.to) - track.mean(sample, &self.from)
     }
-}
 
-/// Returns the angle between two vectors, degrees; 0 if one has no direction.
-pub(super) fn angle_degrees(a: Vector3<f64>, b: Vector3<f64>) -> f64 {
-    elementary::atan2(a.cross(b).norm(), a.dot(b)).to_degrees()
+    /// Angle between the limbs of subject and model at a sample, degrees; 0 if one has no direction.
+    pub(super) fn angle(&self, subject: &PointTrack, model: &PointTrack, sample: usize) -> f64 {
+        let [a, b] = [subject, model].map(|track| self.direction(track, sample));
+        elementary::atan2(a.cross(b).norm(), a.dot(b)).to_degrees()
+    }
 }
 
 /// Returns the unit vector; zero for the zero vector.

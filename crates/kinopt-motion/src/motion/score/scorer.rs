@@ -6,7 +6,7 @@ use super::feet::Feet;
 use super::ground::ground_penetration;
 use super::heading::Heading;
 use super::joint_excess::limit_excess;
-use super::limb_angles::{ComparedLimb, angle_degrees, unit};
+use super::limb_angles::{ComparedLimb, unit};
 use super::smoothness::{joint_jerk, point_jerk};
 use super::subject::{Subject, rotated};
 use super::{
@@ -158,7 +158,11 @@ impl<'r> MotionScorer<'r> {
         let model = self.points.model_track(self.robot.model(), q)?;
         Ok(match self.compared(&model, frame_rate)? {
             Some((subject, _)) => (0..subject.samples)
-                .flat_map(|sample| self.angles_at(&subject, &model, sample))
+                .flat_map(|sample| {
+                    let (subject, model) = (&subject, &model);
+                    let limbs = self.limbs.iter();
+                    limbs.map(move |limb| limb.angle(subject, model, sample))
+                })
                 .collect(),
             None => Vec::new(),
         })
@@ -264,25 +268,9 @@ impl<'r> MotionScorer<'r> {
         Ok(Some((rotated(&track, angle), angle)))
     }
 
-    /// Angles of all limbs at a sample, degrees.
-    fn angles_at(&self, subject: &PointTrack, model: &PointTrack, sample: usize) -> Vec<f64> {
-        let angles = self.limbs.iter().map(|limb| {
-            angle_degrees(
-                limb.direction(subject, sample),
-                limb.direction(model, sample),
-            )
-        });
-        angles.collect()
-    }
-
     fn limb_errors(&self, subject: &PointTrack, model: &PointTrack) -> Vec<LimbAngle> {
         let limbs = self.limbs.iter().map(|limb| {
-            let angles = (0..subject.samples).map(|sample| {
-                angle_degrees(
-                    limb.direction(subject, sample),
-                    limb.direction(model, sample),
-                )
-            });
+            let angles = (0..subject.samples).map(|sample| limb.angle(subject, model, sample));
             LimbAngle {
                 limb: limb.name.to_owned(),
                 angle: Spread::of(angles.collect()),
