@@ -34,14 +34,14 @@ def figures(score: kinopt.MotionScore) -> list[float]:
 
 
 def test_scores_of_files_are_equal(steps: kinopt.Trajectory[Any], nao: kinopt.Robot, tmp_path: Path) -> None:
-    expected = kinopt.score(steps, nao, STEPS, fps=30)
+    expected = kinopt.score(steps, nao, STEPS, fps=30, subject_fps=30)
     assert set(expected.limbs) >= {"spine", "left_thigh", "right_forearm"} and len(expected.ends) == 4
     assert np.isclose(expected.total, sum(term.points for term in expected.terms))
     # The report has the score of the motion itself.
     assert np.allclose(figures(steps.report.score), figures(expected), rtol=1e-9)
     for file, precision in (("steps.npz", 1e-12), ("steps.json", 1e-12), ("steps.csv", 1e-12), ("steps.glb", 5e-3)):
         steps.save(tmp_path / file)
-        found = kinopt.score(tmp_path / file, nao, STEPS)
+        found = kinopt.score(tmp_path / file, nao, STEPS, subject_fps=30)
         assert np.allclose(figures(found), figures(expected), rtol=precision, atol=precision), file
     # Bare rows of two layouts, and the keys of MuJoCo and of GMR.
     steps.save(tmp_path / "lafan1.csv", header=False)
@@ -52,7 +52,7 @@ def test_scores_of_files_are_equal(steps: kinopt.Trajectory[Any], nao: kinopt.Ro
     np.savez_compressed(tmp_path / "gmr.npz", fps=30, **parts)
     assert np.array_equal(np.loadtxt(tmp_path / "mujoco.csv", delimiter=","), q)
     for file, order in (("lafan1.csv", None), ("mujoco.csv", "wxyz"), ("qpos.npz", None), ("gmr.npz", None)):
-        found = kinopt.score(tmp_path / file, nao, STEPS, fps=30, quaternion=order)  # type: ignore[arg-type]
+        found = kinopt.score(tmp_path / file, nao, STEPS, fps=30, subject_fps=30, quaternion=order)  # type: ignore[arg-type]
         assert np.allclose(figures(found), figures(expected), rtol=1e-9, atol=1e-9), file
 
 

@@ -87,7 +87,7 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = OUTPUT)]
     header: bool,
 
-    /// .csv, .npz: MuJoCo's qpos; rows begin with x, y, z and quaternion w, x, y, z.
+    /// .csv without header, .npz: MuJoCo's qpos, quaternion w, x, y, z.
     #[arg(long, help_heading = OUTPUT, conflicts_with = "header")]
     qpos: bool,
 

@@ -60,7 +60,7 @@ fn figures_are_equal_in_all_file_formats() {
         let path = folder.file(file);
         let _ = answer!("{retarget} {options} --out {path}");
         // The capture has 30.00003 frames per second, and bare rows have no rate.
-        let score = answer!("score {path} {robot} --subject {SUBJECT} --fps 30");
+        let score = answer!("score {path} {robot} --subject {SUBJECT} --fps 30 --subject-fps 30");
         let expected = expected.get_or_insert_with(|| score.clone());
         assert_equal(expected, &score, precision, file);
     }
@@ -77,10 +77,12 @@ fn figures_are_equal_in_all_file_formats() {
     // Bare rows with MuJoCo's quaternion need its order.
     let path = folder.file("qpos.csv");
     let _ = answer!("{retarget} --qpos --out {path}");
-    let score = answer!("score {path} {robot} --subject {SUBJECT} --quaternion wxyz --fps 30");
+    let score = answer!(
+        "score {path} {robot} --subject {SUBJECT} --quaternion wxyz --fps 30 --subject-fps 30"
+    );
     assert_equal(&expected, &score, 1e-12, "qpos.csv");
     let (text, _) = crate::forked_rig::succeeds(&format!(
-        "score {path} {robot} --subject {SUBJECT} --quaternion wxyz --fps 30"
+        "score {path} {robot} --subject {SUBJECT} --quaternion wxyz --fps 30 --subject-fps 30"
     ));
     says!(text => "left_forearm | foot sliding, cm/s | outside limits | total");
 }
@@ -137,7 +139,7 @@ fn spoiled_motions_rank_last() {
         spoil(&folder, late, "late.csv", |_, _| ()),
     ];
     let total = |path: &str| {
-        let score = answer!("score {path} {robot} --subject {SUBJECT} --fps 30");
+        let score = answer!("score {path} {robot} --subject {SUBJECT} --fps 30 --subject-fps 30");
         score["total"].as_f64().unwrap()
     };
     let best = total(&path);
