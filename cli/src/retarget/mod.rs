@@ -23,6 +23,7 @@ use serde::Serialize;
 use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};
 use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
+use self::movement_file::FormatChoice;
 use self::source::{SourceOptions, Up};
 use self::target::Target;
 use crate::choices::first_given;
@@ -79,17 +80,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
     out: Option<PathBuf>,
 
-    /// Folders: npz, json, csv, bvh or glb. Default: npz.
-    #[arg(long, value_parser = movement_file::parse_format, help_heading = OUTPUT)]
-    format: Option<TrajectoryFormat>,
+    /// Folders: npz, json, csv, bvh or glb. Also files: qpos of MuJoCo. Default: npz.
+    #[arg(long, value_parser = FormatChoice::parse, help_heading = OUTPUT)]
+    format: Option<FormatChoice>,
 
     /// .csv: header row, times, quaternion w, x, y, z, and contacts.
     #[arg(long, help_heading = OUTPUT)]
     header: bool,
-
-    /// .csv without header, .npz: MuJoCo's qpos, quaternion w, x, y, z.
-    #[arg(long, help_heading = OUTPUT, conflicts_with = "header")]
-    qpos: bool,
 
     /// Folders: solve all movements again. Default: keep output files.
     #[arg(long, help_heading = OUTPUT)]
@@ -213,7 +210,7 @@ impl<'a> Job<'a> {
         query.map = self.map.given();
         query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
         query.whole = self.arguments.whole;
-        if self.arguments.qpos {
+        if self.arguments.is_qpos() {
             query.more.push("qpos".to_owned());
         }
         if self.format == TrajectoryFormat::Csv && self.arguments.header {
@@ -249,7 +246,7 @@ impl<'a> Job<'a> {
         let retargeted = retargeted.map_err(|error| self.map.failed(&file, &error))?;
         report_contacts(&file, &retargeted);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();
-        let layout = match self.arguments.qpos {
+        let layout = match self.arguments.is_qpos() {
             true => TableLayout::Mujoco,
             false => TableLayout::Lafan1,
         };
@@ -275,6 +272,11 @@ impl<'a> Job<'a> {
 }
 
 impl Arguments {
+    /// True if configurations are written as MuJoCo's `qpos`.
+    fn is_qpos(&self) -> bool {
+        self.format == Some(FormatChoice::Qpos)
+    }
+
     /// Prints or saves the map.
     fn show_map(&self) -> Outcome<()> {
         let settings = self.model_options.problem()?.model;
@@ -320,7 +322,12 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         return folder::run(arguments, out, json);
     }
     if let Some(option) = first_given([
-        ("--format", arguments.format.is_some()),
+        (
+            "--format",
+            arguments
+                .format
+                .is_some_and(|format| format != FormatChoice::Qpos),
+        ),
         ("--overwrite", arguments.overwrite),
     ]) {
         return Err(usage!(
@@ -328,7 +335,14 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             arguments.source.display()
         ));
     }
-    let clip = Job::new(arguments, movement_file::format_of(out)?)?.run(&arguments.source, out)?;
+    let format = movement_file::format_of(out)?;
+    if arguments.is_qpos() && !matches!(format, TrajectoryFormat::Csv | TrajectoryFormat::Npz) {
+        return Err(usage!(
+            "{}: --format qpos applies to .csv and .npz",
+            out.display()
+        ));
+    }
+    let clip = Job::new(arguments, format)?.run(&arguments.source, out)?;
     if arguments.map.print_map {
         // Standard output has the map only, so that it is valid JSON.
         output::message(clip.summary().trim_end());

@@ -23,10 +23,33 @@ pub(super) fn format_of(path: &Path) -> Outcome<TrajectoryFormat> {
     })
 }
 
-/// Parses `--format`.
-pub(super) fn parse_format(name: &str) -> Result<TrajectoryFormat, String> {
-    let file = Path::new("file").with_extension(name);
-    TrajectoryFormat::of(&file).ok_or_else(|| "expected npz, json, csv, bvh or glb".to_owned())
+/// Value of `--format`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FormatChoice {
+    /// Format of the files of a folder.
+    Files(TrajectoryFormat),
+    /// MuJoCo's `qpos`, in .csv or .npz files.
+    Qpos,
+}
+
+impl FormatChoice {
+    /// Parses `--format`.
+    pub(super) fn parse(name: &str) -> Result<Self, String> {
+        if name == "qpos" {
+            return Ok(Self::Qpos);
+        }
+        let file = Path::new("file").with_extension(name);
+        let format = TrajectoryFormat::of(&file).map(Self::Files);
+        format.ok_or_else(|| "expected npz, json, csv, bvh, glb or qpos".to_owned())
+    }
+
+    /// Format of the files of a folder.
+    pub(super) fn of_files(self) -> TrajectoryFormat {
+        match self {
+            Self::Files(format) => format,
+            Self::Qpos => TrajectoryFormat::Npz,
+        }
+    }
 }
 
 /// File extension of a format, without the dot.

@@ -1,6 +1,6 @@
 //! Sources of motion: arrays, motion capture, clips of scenes and keyframes of rigs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
@@ -43,28 +43,26 @@ pub(crate) struct SourceOptions {
 /// Rest joints of a motion of the SMPL family.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct BodyOptions {
-    /// Body model .npz of a SMPL motion. Default: joints of the file.
-    #[arg(long, value_name = "FILE", conflicts_with = "height")]
-    body_model: Option<PathBuf>,
-
-    /// Height of the person of a SMPL motion in m. Default: 1.7.
-    #[arg(long, value_name = "M", value_parser = number_list::positive)]
-    height: Option<f64>,
+    /// SMPL motions: body model .npz, or height in m. Default: of the file, else 1.7.
+    #[arg(long, value_name = "FILE|M")]
+    body_model: Option<String>,
 }
 
 impl BodyOptions {
     fn rest_joints(&self) -> Outcome<RestJoints> {
-        Ok(match (&self.body_model, self.height) {
-            (Some(path), _) => RestJoints::BodyModel(smpl::read_body_model(path)?),
-            (None, Some(height)) => RestJoints::Height(height),
-            (None, None) => RestJoints::Default,
+        let Some(given) = &self.body_model else {
+            return Ok(RestJoints::Default);
+        };
+        Ok(match given.parse() {
+            Ok(height) => RestJoints::Height(height),
+            Err(_) => RestJoints::BodyModel(smpl::read_body_model(given)?),
         })
     }
 
     /// The options in words, if one is given.
     fn text(&self) -> Option<String> {
-        let is_given = self.body_model.is_some() || self.height.is_some();
-        is_given.then(|| format!("body model {:?}, height {:?}", self.body_model, self.height))
+        let given = self.body_model.as_ref();
+        given.map(|given| format!("body model {given}"))
     }
 }
 

@@ -52,7 +52,7 @@ fn figures_are_equal_in_all_file_formats() {
         ("steps.json", "", 1e-12),
         ("steps.csv", "", 1e-12),
         ("named.csv", "--header", 1e-12),
-        ("qpos.npz", "--qpos", 1e-12),
+        ("qpos.npz", "--format qpos", 1e-12),
         ("steps.glb", "", 5e-3),
     ];
     let mut expected = None;
@@ -76,7 +76,7 @@ fn figures_are_equal_in_all_file_formats() {
     );
     // Bare rows with MuJoCo's quaternion need its order.
     let path = folder.file("qpos.csv");
-    let _ = answer!("{retarget} --qpos --out {path}");
+    let _ = answer!("{retarget} --format qpos --out {path}");
     let score = answer!(
         "score {path} {robot} --subject {SUBJECT} --quaternion wxyz --fps 30 --subject-fps 30"
     );
@@ -180,5 +180,7 @@ fn motion_that_does_not_fit_is_reported() {
     refused!("score {named} {robot}" => 1, "columns are missing: root_joint/y");
     refused!("score {robot} {robot}" => 1, "unsupported motion, expected .csv");
     refused!("score {short} {robot} --weights limb=1" => 2, "did you mean `limbs`");
+    let out = folder.file("steps.json");
+    refused!("retarget {SUBJECT} {robot} --base-joint free --format qpos --out {out}" => 2, "applies to .csv and .npz");
     refused!("score {short} {robot} --heading north" => 2, "expected degrees, or `fit`");
 }

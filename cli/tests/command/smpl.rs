@@ -98,5 +98,7 @@ fn body_model_of_another_family_is_rejected() {
     std::fs::write(&body, npz(&arrays).unwrap()).unwrap();
     let command = format!("retarget {source} {robot} --base-joint free --out {out}");
     refused!("{command} --body-model {body}" => 1, "2 joints, but the motion is of SMPL-H with 52");
-    refused!("{command} --body-model {body} --height 1.8" => 2, "--height");
+    refused!("{command} --body-model -1" => 1, "the height is -1 m");
+    let (_, messages) = crate::forked_rig::succeeds(&format!("{command} --body-model 1.8"));
+    says!(messages => "a default skeleton of 1.8 m");
 }

@@ -32,12 +32,14 @@ pub fn read(path: impl AsRef<Path>) -> Result<MarkerCapture, ReadError> {
 /// Returns an error for a damaged file, for a file without markers, and for an unknown unit of length.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MarkerCapture, ReadError> {
     // c3dio panics on some damaged files.
-    let parsed = catch_unwind(AssertUnwindSafe(|| C3d::from_bytes(bytes)));
+    let parsed = catch_unwind(AssertUnwindSafe(|| {
+        C3d::from_bytes(bytes).map_err(|error| error.to_string())
+    }));
     let damaged =
         |reason: String| ReadError::of_file(name, format!("not a C3D file, or damaged: {reason}"));
     let file = match parsed {
         Ok(Ok(file)) => file,
-        Ok(Err(error)) => return Err(damaged(error.to_string())),
+        Ok(Err(reason)) => return Err(damaged(reason)),
         Err(_) => return Err(damaged("its sections do not fit".to_owned())),
     };
     markers(&file)

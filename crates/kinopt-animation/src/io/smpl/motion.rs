@@ -1,5 +1,7 @@
 //! Armature and clip of a motion of the SMPL family.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DQuat, DVec3, Quat, Vec3A};
 
 use super::arrays::check_length;
@@ -212,7 +214,8 @@ fn upright_rotation(rotations: &[DQuat], joints: usize) -> DQuat {
     let roots = rotations.iter().step_by(joints);
     let up: DVec3 = roots.map(|rotation| *rotation * DVec3::Y).sum();
     match up.z.abs() > up.y.abs() {
-        true => DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+        // 90° about x.
+        true => DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2),
         false => DQuat::IDENTITY,
     }
 }

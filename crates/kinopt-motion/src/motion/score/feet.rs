@@ -110,7 +110,7 @@ fn lowest(positions: &[Vector3<f64>]) -> f64 {
 }
 
 fn horizontal(vector: Vector3<f64>) -> f64 {
-    vector.x.hypot(vector.y)
+    (vector.x * vector.x + vector.y * vector.y).sqrt()
 }
 
 /// Spans of at least two samples in which a condition holds.

@@ -7,7 +7,7 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Jerk of points over all samples, in the unit of the track per s³.
 pub(super) fn point_jerk(track: &PointTrack, points: &[usize], frame_rate: f64) -> Spread {
-    let cubed = frame_rate.powi(3);
+    let cubed = frame_rate * frame_rate * frame_rate;
     let jerks = points.iter().flat_map(|&point| {
         let positions = track.of_point(point);
         let thirds: Vec<f64> = positions
@@ -44,13 +44,14 @@ pub(super) fn joint_jerk(model: &Model, q: &[f64], frame_rate: f64) -> Result<Sp
                 (!slides).then_some(segment.velocity..segment.velocity + 1)
             }
         });
-    let cubed = frame_rate.powi(3);
+    let cubed = frame_rate * frame_rate * frame_rate;
     let mut jerks = Vec::new();
     for range in angles {
         for v in velocities.windows(3) {
-            let squares = range
-                .clone()
-                .map(|k| (v[2][k] - 2.0 * v[1][k] + v[0][k]).powi(2));
+            let squares = range.clone().map(|k| {
+                let second = v[2][k] - 2.0 * v[1][k] + v[0][k];
+                second * second
+            });
             jerks.push(squares.sum::<f64>().sqrt() * cubed);
         }
     }
