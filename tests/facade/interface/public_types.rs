@@ -82,7 +82,7 @@ each! { value:
     io::FileAccess, io::FileLocation, io::bvh::BvhChannel, io::bvh::BvhFormat<'static>, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
-    io::numpy::NumpyArchive, io::numpy::NumpyArray, io::smpl::BodyModel, io::smpl::RestJoints, io::smpl::SmplArrays,
+    io::c3d::MarkerCapture, io::numpy::NumpyArchive, io::numpy::NumpyArray, io::smpl::BodyModel, io::smpl::RestJoints, io::smpl::SmplArrays,
     io::smpl::SmplMotion, io::smpl::SmplNote,
     io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,
 }
@@ -164,7 +164,7 @@ each! { error:
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
     robot::RobotFileError, calibration::CalibrationError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
-    motion::path::PathError, motion::retarget::RetargetError, motion::score::ScoreError, io::smpl::SmplError,
+    motion::path::PathError, motion::retarget::RetargetError, motion::score::ScoreError, io::smpl::SmplError, io::c3d::MarkerError,
     robot::ParseIssue,
 }
 

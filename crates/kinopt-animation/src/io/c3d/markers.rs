@@ -9,6 +9,14 @@ pub enum MarkerError {
     /// There are no markers or no frames.
     #[error("the file has no markers")]
     NoMarkers,
+    /// The file is shorter than its header states.
+    #[error("{read} frames are complete, but the header states {stated}")]
+    Truncated {
+        /// Number of complete frames.
+        read: usize,
+        /// Number of frames in the header.
+        stated: usize,
+    },
     /// The frame rate is not positive.
     #[error("the frame rate is {0}, expected a positive number")]
     BadFrameRate(f64),

@@ -55,6 +55,13 @@ fn markers(file: &C3d) -> Result<MarkerCapture, MarkerError> {
         .find(|(name, _)| unit.eq_ignore_ascii_case(name));
     let (_, metres) = known.ok_or_else(|| MarkerError::UnknownUnit(unit.to_owned()))?;
     let (frames, columns) = (points.points.rows(), points.points.cols());
+    let stated = usize::from(points.last_frame.saturating_sub(points.first_frame)) + 1;
+    if frames < stated {
+        return Err(MarkerError::Truncated {
+            read: frames,
+            stated,
+        });
+    }
     let markers = columns.min(points.labels.len());
     let mut positions = Vec::with_capacity(frames * markers);
     for frame in 0..frames {
