@@ -17,7 +17,7 @@ from .score_report import MotionScore, score_of_json
 from .sources import Source
 from .targets import TargetLike, read_target
 
-Motion: TypeAlias = Union[Trajectory, str, "os.PathLike[str]", ArrayLike]
+Motion: TypeAlias = Union["Trajectory[Any]", str, "os.PathLike[str]", ArrayLike]
 """A trajectory, the path of a motion file, or an array of configurations."""
 
 
