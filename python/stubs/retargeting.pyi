@@ -26,6 +26,8 @@ class Capture:
     ) -> Capture: ...
     @staticmethod
     def of_clip(clip: Clip, fps: float, up: str | None = None) -> Capture: ...
+    @staticmethod
+    def of_c3d(path: str | os.PathLike[str], up: str | None = None) -> Capture: ...
     @property
     def joints(self) -> list[str]: ...
     @property
@@ -82,12 +84,20 @@ def capture_retargeted(
     tuple[list[str], Floats],
     Floats,
     list[str],
-    tuple[float, float, float, float],
+    tuple[float, float, float],
+    str,
     list[tuple[str, str, int, int]],
     list[tuple[int, str, str, float]],
     list[tuple[int, str]],
     tuple[str | None, bool],
 ]: ...
+def motion_scored(
+    motion: ArrayLike | str,
+    target: _Target,
+    capture: Capture | None,
+    map: str | None,
+    options: dict[str, Any],
+) -> str: ...
 def map_completed(
     map: str, capture: Capture, target: _Target
 ) -> tuple[str | None, list[str]]: ...

@@ -1,7 +1,9 @@
 //! Motion capture by joint positions.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use kinopt::io::c3d;
 use kinopt::motion::retarget::{self, JointRotations, UpAxis};
 use kinopt::spatial::Vector3;
 use numpy::ndarray::{Ix2, Ix3};
@@ -170,6 +172,19 @@ impl Capture {
         let pairs = ids.filter_map(|bone| Some((bones.parent(bone)?.index(), bone.index())));
         let pairs = Some(pairs.collect());
         Ok(Self::of(capture.or_raise()?, up, UpAxis::Y, pairs))
+    }
+
+    /// Joint centres of the markers of the C3D file `path`: those of Plug-in Gait, or of the CMU data base. The joints
+    /// have the names of SMPL, positions are metres. `up` is as in `Capture`.
+    ///
+    /// Raises `FileError`, `InvalidFileError`, and `InvalidValueError` with the missing markers.
+    #[staticmethod]
+    #[pyo3(signature = (path, up = None))]
+    fn of_c3d(py: Python<'_>, path: PathBuf, up: Option<&str>) -> PyResult<Self> {
+        let up = up.map(up_axis).transpose()?;
+        let markers = py.detach(|| c3d::read(&path)).or_raise()?;
+        let capture = py.detach(|| retarget::Capture::of_markers(&markers));
+        Ok(Self::of(capture.or_raise()?, up, UpAxis::Z, None))
     }
 
     /// Names of the joints.

@@ -340,7 +340,7 @@ impl Drive {
     }
 
     /// Returns whether the joint's name contains that of a foot part.
-    pub(super) fn names_foot_part(&self) -> bool {
+    pub(in crate::motion) fn names_foot_part(&self) -> bool {
         let name = self.joint.to_lowercase();
         ["foot", "toe", "ankle", "heel", "sole"]
             .iter()

@@ -161,6 +161,14 @@ pub enum RetargetError {
         /// First joints of the capture.
         joints: String,
     },
+    /// Markers of the set are missing.
+    #[error("markers of Plug-in Gait are missing: {missing}; the file has {markers}")]
+    MissingMarkers {
+        /// Missing markers.
+        missing: String,
+        /// Markers of the file.
+        markers: String,
+    },
     /// The text of a map is invalid.
     #[error("{0}")]
     Map(String),

@@ -58,16 +58,16 @@ const REQUIRED_PARTS: [BodyPart; 14] = [
 
 /// Body parts among the joints of a capture.
 #[derive(Clone, Debug)]
-pub(super) struct CaptureParts {
-    pub(super) joints: BTreeMap<BodyPart, usize>,
+pub(in crate::motion) struct CaptureParts {
+    pub(in crate::motion) joints: BTreeMap<BodyPart, usize>,
     /// Built-in skeleton that matches the names.
-    pub(super) skeleton: Option<&'static str>,
+    pub(in crate::motion) skeleton: Option<&'static str>,
     /// Disagreements of names and tree.
-    pub(super) notes: Vec<String>,
+    pub(in crate::motion) notes: Vec<String>,
 }
 
 /// Returns the joints of a capture that are parts of a body: by the bone tree, if the capture has one, and by names.
-pub(super) fn parts_of_capture(capture: &Capture) -> CaptureParts {
+pub(in crate::motion) fn parts_of_capture(capture: &Capture) -> CaptureParts {
     let known = KnownSkeleton::of_joints(capture.names());
     let skeleton = known.as_ref().map(KnownSkeleton::name);
     let named = match known.and_then(|known| known.parts_in(capture.names())) {

@@ -130,7 +130,9 @@ struct NameParts {
 }
 
 /// Returns the index of each part among names. The first of several matches counts.
-pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
+pub(in crate::motion) fn parts_of<'a>(
+    names: impl Iterator<Item = &'a str>,
+) -> BTreeMap<BodyPart, usize> {
     parts_where(names, |_, _| true)
 }
 
@@ -181,7 +183,7 @@ pub(super) fn parts_where<'a>(
 }
 
 /// Returns a name in lower case, without namespace prefixes of Mixamo, Maya and similar tools, and without separators.
-pub(super) fn bare(name: &str) -> String {
+pub(in crate::motion) fn bare(name: &str) -> String {
     words(name).concat()
 }
 

@@ -17,6 +17,7 @@ use super::{
     Touching, UpAxis,
 };
 use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
+use crate::motion::score::{Heading, MotionScorer, ScoreError};
 use crate::motion::trajectory::{MotionError, Windows};
 use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
@@ -138,6 +139,8 @@ pub struct Retargeting<'r> {
     pub(super) limb_contacts: Vec<LimbContact>,
     /// Transfer of rotations to a character.
     pub(super) character: Option<Arc<CharacterMotion>>,
+    /// Scorer next to the person.
+    scorer: MotionScorer<'r>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -162,6 +165,11 @@ impl<'r> Retargeting<'r> {
         let shapes = options.shapes.clone();
         let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
         let mut limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
+        let scorer = MotionScorer::of_subject(robot, capture, map, up).map_err(as_score_error)?;
+        let scorer = scorer
+            .with_shapes(shapes.clone())
+            .with_contacts(options.contacts)
+            .with_heading(Heading::Fixed(0.0));
         let frame_rate = capture.frame_rate();
         let mut options = options;
         let unit = Unit::of(model, &limbs);
@@ -202,6 +210,7 @@ impl<'r> Retargeting<'r> {
             targets,
             limb_contacts,
             character: None,
+            scorer,
             obstacles: None,
             cancelled: None,
         })
@@ -260,6 +269,25 @@ impl<'r> Retargeting<'r> {
     #[must_use]
     pub fn driven(&self) -> Vec<FrameId> {
         self.limbs.all.iter().map(|limb| limb.frame).collect()
+    }
+
+    /// Names of the limbs whose directions are compared, in the order of [`limb_angles`](Self::limb_angles).
+    #[must_use]
+    pub fn limbs(&self) -> Vec<&'static str> {
+        self.scorer.limbs()
+    }
+
+    /// Returns the angle between each limb of the subject and of the model, degrees. The angles are sorted by sample,
+    /// then in the order of [`limbs`](Self::limbs).
+    ///
+    /// # Errors
+    /// Returns an error if the configurations do not fit the model.
+    pub fn limb_angles(
+        &self,
+        retargeted: &Trajectory<RetargetReport>,
+    ) -> Result<Vec<f64>, RetargetError> {
+        let angles = self.scorer.limb_angles(&retargeted.q, self.frame_rate);
+        angles.map_err(as_score_error)
     }
 
     /// Ratio of the model's steps to the subject's, in the model's unit.
@@ -410,10 +438,9 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
             self.write_contacts(frame, &mut in_contact);
-            let targets = self.body_targets(frame);
-            for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
+            for (k, limb) in self.limbs.all.iter().enumerate() {
                 let position = placed[k].apply(limb.offset);
-                in_contact[k] = measures.add(frame, k, position, *target, in_contact[k]);
+                in_contact[k] = measures.add(frame, k, position, in_contact[k]);
             }
             for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
                 measures.ground_penetration = measures.ground_penetration.max(-sole.lowest(placed));
@@ -445,7 +472,10 @@ impl<'r> Retargeting<'r> {
                 .map(|limb| self.limbs.all[*limb].offset * inverse_scale)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error() * inverse_scale,
+            score: self
+                .scorer
+                .score(&q, self.frame_rate)
+                .map_err(as_score_error)?,
             slip: measures.slip * inverse_scale,
             ground_penetration: measures.ground_penetration * inverse_scale,
         };
@@ -473,6 +503,13 @@ impl Retargeting<'_> {
             Some(Touching { frame, pair })
         });
         touching.collect()
+    }
+}
+
+fn as_score_error(error: ScoreError) -> RetargetError {
+    match error {
+        ScoreError::Map(error) => error,
+        error => RetargetError::Map(error.to_string()),
     }
 }
 
