@@ -4,12 +4,16 @@ use std::ops::Range;
 
 use super::limb::DrivenLimb;
 use super::limbs::Limbs;
+use super::orientations::{direction, horizontal};
 use crate::motion::ContactDetection;
 use crate::motion::contact::{FootContact, mean_position, plant_at};
 use kinopt_kinematics::spatial::Vector3;
 
 /// Height below which a contact is moved onto the ground, metres.
 const MAX_SNAP_HEIGHT: f64 = 0.04;
+
+/// Largest slope from the flat position to which a foot in contact is levelled.
+const MAX_LEVELLED_SLOPE: f64 = 0.3;
 
 /// Contact of a limb over a span of capture frames.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,10 +37,15 @@ pub(super) fn plant_limbs(
         let positions: Vec<_> = targets.iter().skip(index).step_by(n).copied().collect();
         let height = |frame: usize| positions[frame].z - limb.clearance;
         let spans = detection.spans(&positions, height, rate);
-        let limb_contacts: Vec<_> = spans
-            .iter()
-            .map(|span| foot_contact(limb, span, &positions))
-            .collect();
+        let limb_contacts = spans.iter().map(|span| {
+            let contact = foot_contact(limb, span, &positions);
+            let ankle = ankle_contact(limbs, index, span, &contacts).map(|frame| targets[frame * n + limb.parent.unwrap_or(0)]);
+            match ankle {
+                Some(ankle) => levelled(limbs, index, ankle, contact),
+                None => contact,
+            }
+        });
+        let limb_contacts: Vec<_> = limb_contacts.collect();
         let above: Vec<_> = positions
             .iter()
             .map(|position| lifted(*position, limb.clearance))
@@ -67,6 +76,29 @@ fn foot_contact(limb: &DrivenLimb, span: &Range<usize>, positions: &[Vector3<f64
         position,
         ground: 0.0,
     }
+}
+
+/// Returns the middle frame of the longest contact of a toe's ankle during a contact of the toe.
+fn ankle_contact(limbs: &Limbs, toe: usize, span: &Range<usize>, contacts: &[LimbContact]) -> Option<usize> {
+    limbs.orientations.foot_of_toe(toe)?;
+    let ankle = limbs.all[toe].parent?;
+    let common = contacts.iter().filter(|contact| contact.limb == ankle);
+    let common = common.map(|contact| contact.span.start.max(span.start)..contact.span.end.min(span.end));
+    let longest = common.filter(|common| !common.is_empty()).max_by_key(ExactSizeIterator::len)?;
+    Some((longest.start + longest.end) / 2)
+}
+
+/// Moves the contact of a toe to where it is on a flat foot with the ankle at a position, unless the foot is steep.
+fn levelled(limbs: &Limbs, toe: usize, ankle: Vector3<f64>, mut contact: FootContact) -> FootContact {
+    let offset = contact.position - ankle;
+    let flat = limbs.orientations.foot_of_toe(toe).zip(direction(horizontal(offset)));
+    if let Some((foot, forward)) = flat {
+        let flat = foot.flat_toe_offset(forward);
+        if (flat - offset).norm() < MAX_LEVELLED_SLOPE * flat.norm() {
+            contact.position = ankle + flat;
+        }
+    }
+    contact
 }
 
 /// Moves a position below the ground up to it.

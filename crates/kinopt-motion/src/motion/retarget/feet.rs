@@ -25,6 +25,8 @@ pub(super) struct Feet {
 #[derive(Clone, Debug)]
 struct Foot {
     sole: Sole,
+    /// True if the foot has the subject's orientation, except during contact.
+    is_oriented: bool,
     task: TaskId<OverGround>,
     /// Ground height under each ball while its limb is in contact, metres.
     heights: Vec<f64>,
@@ -56,6 +58,7 @@ impl Feet {
             last_tilts: vec![0.0; sole.level.len()],
             orientation_locked: false,
             pose: Placement::identity(),
+            is_oriented: limbs.orients(sole),
             sole: sole.clone(),
         };
         Self {
@@ -93,7 +96,10 @@ impl Feet {
                 },
                 false => Footing::Above {
                     heights: limbs.map(ground_height).collect(),
-                    levelling: elementary::pow(self.landing_weight, contact_level),
+                    levelling: match foot.is_oriented {
+                        true => elementary::pow(self.landing_weight, contact_level) - 1.0,
+                        false => elementary::pow(self.landing_weight, contact_level),
+                    },
                 },
             };
             targets.get_mut(foot.task)?.set(&footing);

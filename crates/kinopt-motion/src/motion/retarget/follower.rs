@@ -4,7 +4,10 @@ use super::collision_free_frames::CollisionFreeFrames;
 use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::FrameProblem;
+use super::aligned_axis::AlignedAxis;
 use super::pelvis_heading::HipLine;
+use super::point_difference::PointDifference;
+use super::relative_limb;
 use super::unit::Unit;
 use super::{RetargetError, Retargeting};
 use crate::motion::trajectory::{MotionError, step_limits};
@@ -43,7 +46,11 @@ pub struct BodyFollower {
     avoidance: Option<CollisionFreeFrames>,
     targets: Targets,
     points: Vec<TaskId<DrivenPoint>>,
-    hip_line: Option<TaskId<HipLine>>,
+    hip_line: Option<(HipLine, TaskId<PointDifference>)>,
+    /// Tasks of the limbs that follow the vector from their parents: limb, parent and task.
+    vectors: Vec<(usize, usize, TaskId<PointDifference>)>,
+    /// Tasks of the axes of feet and hands, with their weights.
+    axes: Vec<(TaskId<AlignedAxis>, f64)>,
     feet: Feet,
     /// Reference between the nominal posture and the previous configuration. `posture` has the nominal value of each
     /// coordinate.
@@ -104,7 +111,18 @@ impl BodyFollower {
         let points = limbs.all.iter();
         let points = points.map(|limb| tasks.add(DrivenPoint::new(limb.frame, limb.offset)));
         let points: Vec<_> = points.collect();
-        let hip_line = limbs.hip_line.clone().map(|line| tasks.add(line));
+        let hip_line = limbs.hip_line.clone().map(|line| {
+            let task = tasks.add(line.task());
+            (line, task)
+        });
+        let vectors = (0..limbs.all.len()).filter_map(|limb| {
+            let task = tasks.add(relative_limb::task(&limbs.all, limb)?);
+            Some((limb, limbs.all[limb].parent?, task))
+        });
+        let vectors: Vec<_> = vectors.collect();
+        let axes = limbs.orientations.driven();
+        let axes = axes.map(|axis| (tasks.add(AlignedAxis::new(axis.frame, axis.axis)), axis.weight));
+        let axes: Vec<_> = axes.collect();
         let combined =
             (POSTURE_WEIGHT * POSTURE_WEIGHT + PREVIOUS_POSE_WEIGHT * PREVIOUS_POSE_WEIGHT).sqrt();
         let stay_task =
@@ -121,7 +139,8 @@ impl BodyFollower {
         let x = vec![0.0; problem.variables()];
         let q = model.neutral();
         let speeds = robot.moves_within(1.0);
-        let weights: Vec<f64> = limbs.all.iter().map(|limb| limb.weight).collect();
+        let weights = (0..limbs.all.len()).map(|limb| relative_limb::point_weight(&limbs.all, limb));
+        let weights: Vec<f64> = weights.collect();
         let size = weights
             .iter()
             .fold(POSTURE_WEIGHT * POSTURE_WEIGHT, |sum, weight| {
@@ -152,6 +171,8 @@ impl BodyFollower {
             max_weight: limbs.max_weight(),
             points,
             hip_line,
+            vectors,
+            axes,
             frame: FrameProblem::new(problem, size),
             x,
             unit: retargeting.unit,
@@ -199,21 +220,24 @@ impl BodyFollower {
         contacts: &[f64],
     ) -> Result<&[f64], RetargetError> {
         match self.unit.is_identity() {
-            true => self.follow(positions, contacts)?,
+            true => self.follow(positions, &[], contacts)?,
             false => {
                 let scale = self.unit.scale();
                 let positions: Vec<_> =
                     positions.iter().map(|position| *position * scale).collect();
-                self.follow(&positions, contacts)?
+                self.follow(&positions, &[], contacts)?
             }
         };
         Ok(&self.q)
     }
 
     /// Solves one sample with targets in the unit of the solved body. Returns its configuration.
+    ///
+    /// `directions` are those of the driven axes of feet and hands, or empty.
     pub(super) fn follow(
         &mut self,
         positions: &[Vector3<f64>],
+        directions: &[Vector3<f64>],
         contacts: &[f64],
     ) -> Result<&[f64], RetargetError> {
         let n = self.points.len();
@@ -235,7 +259,7 @@ impl BodyFollower {
         {
             return Ok(&self.body_q);
         }
-        self.set_targets(positions, contacts)?;
+        self.set_targets(positions, directions, contacts)?;
         let mut solved = self.descend();
         if solved && self.feet.lock_orientations(&self.anchors, MAX_PENETRATION) {
             self.feet
@@ -312,8 +336,16 @@ impl BodyFollower {
     fn set_targets(
         &mut self,
         positions: &[Vector3<f64>],
+        directions: &[Vector3<f64>],
         contacts: &[f64],
     ) -> Result<(), RetargetError> {
+        for &(limb, parent, task) in &self.vectors {
+            let target = positions[limb] - positions[parent];
+            self.targets.get_mut(task)?.set_target(target);
+        }
+        for (&(task, weight), direction) in self.axes.iter().zip(directions) {
+            self.targets.get_mut(task)?.set(*direction, weight);
+        }
         for (k, (&position, &contact)) in positions.iter().zip(contacts).enumerate() {
             let locked = contact >= 1.0;
             if let (false, Some(anchor)) = (locked, self.anchors[k]) {
@@ -335,8 +367,8 @@ impl BodyFollower {
         }
         self.feet
             .set_targets(&mut self.targets, &self.anchors, contacts)?;
-        if let Some(line) = self.hip_line {
-            self.targets.get_mut(line)?.set_direction(positions);
+        if let Some((line, task)) = &self.hip_line {
+            line.set_direction(positions, self.targets.get_mut(*task)?);
         }
         if self.has_solved {
             let ratio = PREVIOUS_POSE_WEIGHT * PREVIOUS_POSE_WEIGHT

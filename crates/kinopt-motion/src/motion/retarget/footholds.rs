@@ -70,6 +70,7 @@ impl Retargeting<'_> {
                     }
                 }
             }
+            let is_oriented = self.limbs.orients(sole);
             let mut footings: Vec<Footing> = Vec::with_capacity(self.frames());
             let mut locked_tilts: Option<Vec<f64>> = None;
             for (frame, heights) in ground_heights.into_iter().enumerate() {
@@ -77,6 +78,7 @@ impl Retargeting<'_> {
                 if !is_locked {
                     locked_tilts = None;
                     let levelling = match contact_counts[frame] {
+                        0 if is_oriented => 0.0,
                         0 => 1.0,
                         _ => self.options.landing_weight,
                     };

@@ -3,6 +3,7 @@
 use super::limb::DrivenLimb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
+use super::orientations::Orientations;
 use super::pelvis_heading::HipLine;
 use super::sole::{Sole, ends_on_ground, soles};
 use super::up_detection::upward;
@@ -15,7 +16,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 /// Limb length, relative to the body, below which a limb counts as missing and is not scaled.
 const MIN_LIMB_RATIO: f64 = 1e-6;
 /// Quantile of the heights of a contact point that counts as the ground.
-const GROUND_QUANTILE: f64 = 0.05;
+pub(super) const GROUND_QUANTILE: f64 = 0.05;
 
 /// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub(super) struct Limbs {
     pub(super) hips: Vec<usize>,
     /// Task of the pelvis heading.
     pub(super) hip_line: Option<HipLine>,
+    /// Orientations of feet and hands.
+    pub(super) orientations: Orientations,
     /// Contact geometry of feet with shapes.
     pub(super) soles: Vec<Sole>,
     up: UpAxis,
@@ -98,6 +101,7 @@ impl Limbs {
             .map(|limb| placed[limb.frame.index()].apply(limb.offset));
         let stance_positions: Vec<_> = stance_positions.collect();
         move_heels_to_feet(model, &mut all, shapes, placed);
+        let orientations = Orientations::new(model, &all, capture, up, placed);
         let soles = soles(model, &all, shapes, placed);
         let ground = ground_of_stance(&soles, &stance_positions, placed);
         for (limb, position) in all.iter_mut().zip(&stance_positions) {
@@ -133,6 +137,7 @@ impl Limbs {
         let mut limbs = Self {
             hips: hips(&all),
             hip_line: None,
+            orientations,
             soles,
             all,
             up,
@@ -158,8 +163,13 @@ impl Limbs {
     pub(super) fn write_targets(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         to.clear();
         let upright_position = |limb: &DrivenLimb| self.up.upright(captured[limb.joint]);
-        for limb in &self.all {
+        for (k, limb) in self.all.iter().enumerate() {
             let position = upright_position(limb);
+            if let (Some(foot), Some(ankle)) = (self.orientations.foot_of_toe(k), limb.parent) {
+                let axes = foot.axes(|joint| self.up.upright(captured[joint]));
+                to.push(to[ankle] + foot.toe_offset(&axes));
+                continue;
+            }
             to.push(match limb.parent {
                 Some(parent) if !self.is_in_world(limb) => {
                     to[parent] + (position - upright_position(&self.all[parent])) * limb.scale
@@ -186,6 +196,22 @@ impl Limbs {
                 }
             });
         }
+    }
+
+    /// Returns whether the foot of a sole has the subject's orientation.
+    pub(super) fn orients(&self, sole: &Sole) -> bool {
+        let mut limbs = sole.balls.iter().map(|(_, limb)| *limb);
+        limbs.any(|limb| self.orientations.has_foot(limb))
+    }
+
+    /// Writes the directions of the driven axes of feet and hands.
+    pub(super) fn write_directions(
+        &self,
+        captured: &[Vector3<f64>],
+        to: &mut Vec<Vector3<f64>>,
+    ) {
+        let upright = |joint: usize| self.up.upright(captured[joint]);
+        self.orientations.write_directions(upright, to);
     }
 
     /// Converts a position to the model's world.

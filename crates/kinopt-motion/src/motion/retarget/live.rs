@@ -22,6 +22,7 @@ pub struct LiveFollower {
     frame_rate: f64,
     joints: usize,
     positions: Vec<Vector3<f64>>,
+    directions: Vec<Vector3<f64>>,
     /// Previous targets of the driven points, the last ones at the end.
     history: VecDeque<Vec<Vector3<f64>>>,
     /// Number of capture frames for which each point has been still.
@@ -43,6 +44,7 @@ impl Retargeting<'_> {
             frame_rate: self.frame_rate,
             joints: self.joints,
             positions: Vec::with_capacity(driven),
+            directions: Vec::new(),
             history: VecDeque::with_capacity(SPEED_WINDOW),
             still_frames: vec![0; driven],
             contact_levels: vec![0.0; driven],
@@ -88,9 +90,11 @@ impl LiveFollower {
             return Ok(self.follower.q());
         }
         self.limbs.write_targets(captured, &mut self.positions);
+        self.directions.clear();
+        self.limbs.write_directions(captured, &mut self.directions);
         self.detect_contacts();
         self.follower
-            .follow(&self.positions, &self.contact_levels)?;
+            .follow(&self.positions, &self.directions, &self.contact_levels)?;
         Ok(self.follower.q())
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::body_map::DriveText;
+use super::body_structure::parts_of_structure;
 use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
@@ -131,9 +132,14 @@ impl BodyMap {
         let up = upright_axis(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let mut notes = Vec::new();
-        let (body, parts) = match KnownBody::of_model(model)? {
-            Some(known) => (Some(known.name), known.parts),
-            None => {
+        let (body, parts) = match (KnownBody::of_model(model)?, parts_of_structure(model)) {
+            (Some(known), _) => (Some(known.name), known.parts),
+            (None, Some(drives)) => {
+                let drives = drives.iter();
+                let parts = drives.map(|(part, drive)| (*part, DriveText::of(drive)));
+                (None, parts.collect())
+            }
+            (None, None) => {
                 let moving: Vec<_> = model
                     .frame_ids()
                     .map(|id| moving_joint(model, id))

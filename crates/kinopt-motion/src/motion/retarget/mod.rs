@@ -6,8 +6,10 @@
 //! by frame](Retargeting::per_frame), like an online retargeter, or the [whole trajectory](Retargeting::whole).
 
 mod active_limits;
+mod aligned_axis;
 mod body_map;
 mod body_part;
+mod body_structure;
 mod bounded_descent;
 mod capture;
 mod collision_free_frames;
@@ -29,10 +31,13 @@ mod limbs;
 mod live;
 mod map_guess;
 mod obstacles;
+mod orientations;
 mod over_ground;
 mod part_names;
 mod pelvis_heading;
+mod point_difference;
 mod proportions;
+mod relative_limb;
 mod retarget_report;
 mod retargeting;
 mod sole;

@@ -132,6 +132,8 @@ pub struct Retargeting<'r> {
     pub(super) joints: usize,
     /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
+    /// Directions of the driven axes of feet and hands, by capture frame.
+    pub(super) directions: Arc<[Vector3<f64>]>,
     /// Targets in the robot's unit, by capture frame.
     model_targets: Arc<[Vector3<f64>]>,
     pub(super) limb_contacts: Vec<LimbContact>,
@@ -174,9 +176,11 @@ impl<'r> Retargeting<'r> {
         }
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
         let mut positions = Vec::new();
+        let mut directions = Vec::new();
         for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
             limbs.write_targets(captured, &mut positions);
             targets.extend_from_slice(&positions);
+            limbs.write_directions(captured, &mut directions);
         }
         let limb_contacts = plant_limbs(&options.contacts, &limbs, frame_rate, &mut targets);
         let targets: Arc<[Vector3<f64>]> = targets.into();
@@ -192,6 +196,7 @@ impl<'r> Retargeting<'r> {
             body,
             unit,
             model_targets,
+            directions: directions.into(),
             options,
             limbs,
             frame_rate,
@@ -285,6 +290,12 @@ impl<'r> Retargeting<'r> {
         targets.unwrap_or_default()
     }
 
+    /// Returns the directions of the driven axes of feet and hands in a capture frame.
+    pub(super) fn frame_directions(&self, frame: usize) -> &[Vector3<f64>] {
+        let n = self.directions.len() / self.frames().max(1);
+        self.directions.get(frame * n..(frame + 1) * n).unwrap_or_default()
+    }
+
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
     fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
@@ -357,7 +368,8 @@ impl<'r> Retargeting<'r> {
                 return Err(MotionError::Cancelled.into());
             }
             self.contact_levels(frame, &mut contact_levels);
-            q.extend_from_slice(follower.follow(self.body_targets(frame), &contact_levels)?);
+            let (targets, directions) = (self.body_targets(frame), self.frame_directions(frame));
+            q.extend_from_slice(follower.follow(targets, directions, &contact_levels)?);
             avoiding.push(
                 follower
                     .avoidance()

@@ -1,0 +1,297 @@
+//! Orientations of feet and hands: those of the subject, and the axes of the model that follow them.
+//!
+//! The axes of a foot are forward and left in a flat stance. The axes of a hand are along the fingers and towards the
+//! thumb. They come from joint positions, so that rest poses of subject and model do not matter.
+
+use std::collections::BTreeMap;
+
+use super::capture::Capture;
+use super::limb::DrivenLimb;
+use super::limb_lengths::quantile;
+use super::limb_tree::joints_above;
+use super::map_guess::parts_of_capture;
+use super::{BodyPart, UpAxis};
+use kinopt_kinematics::model::{FrameId, Model};
+use kinopt_kinematics::spatial::{Placement, Vector3};
+
+/// Weights of the heading of a foot and of the axes of a hand, in metres of position per radian.
+const FOOT_WEIGHT: f64 = 0.1;
+const HAND_WEIGHT: f64 = 0.1;
+/// Share of the capture frames, the slowest ones, in which a foot counts as flat.
+const REST_SHARE: f64 = 0.25;
+/// Sine of the largest slope from ankle to toe of a flat foot.
+const MAX_SLOPE: f64 = 0.9;
+/// Weight of the hip line in the lateral direction of a foot, which a vertical foot does not determine.
+const LATERAL_REGULARISATION: f64 = 1e-3;
+/// Length of a direction below which it is undetermined.
+const MIN_LENGTH: f64 = 1e-9;
+
+/// Axis of a model's frame, with its weight in metres of position per radian.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DrivenAxis {
+    pub(super) frame: FrameId,
+    pub(super) axis: Vector3<f64>,
+    pub(super) weight: f64,
+}
+
+/// Foot of the subject and of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FootAxes {
+    ankle: usize,
+    toe: usize,
+    /// Sine and cosine of the slope from ankle to toe of a flat foot.
+    slope: (f64, f64),
+    hips: Option<[usize; 2]>,
+    /// Indices of the limbs of ankle and toe; `None` for a toe that is not driven.
+    limbs: (usize, Option<usize>),
+    /// Vector from ankle to toe in the model's stance, forward, left and upward, metres.
+    toe_offset: Vector3<f64>,
+    /// Forward and left axis of the model's foot.
+    driven: [DrivenAxis; 2],
+}
+
+/// Hand of the subject and of the model.
+#[derive(Clone, Debug, PartialEq)]
+struct HandAxes {
+    wrist: usize,
+    /// Base of the middle finger, and bases of index and little finger.
+    fingers: Option<[usize; 3]>,
+    elbow: usize,
+    along: Option<DrivenAxis>,
+    thumb: Option<DrivenAxis>,
+}
+
+/// Orientations of all feet and hands that names of the capture determine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Orientations {
+    feet: Vec<FootAxes>,
+    hands: Vec<HandAxes>,
+}
+
+impl Orientations {
+    pub(super) fn new(
+        model: &Model,
+        all: &[DrivenLimb],
+        capture: &Capture,
+        up: UpAxis,
+        stance: &[Placement<f64>],
+    ) -> Self {
+        let (parts, _) = parts_of_capture(capture);
+        let positions: Vec<_> = all.iter().map(|limb| stance[limb.frame.index()].apply(limb.offset)).collect();
+        let forward = model_forward(all, &parts, &positions);
+        let feet = [
+            [BodyPart::LeftAnkle, BodyPart::LeftToe],
+            [BodyPart::RightAnkle, BodyPart::RightToe],
+        ];
+        let feet = feet.iter().filter_map(|[ankle, toe]| {
+            let (ankle, toe) = (*parts.get(ankle)?, *parts.get(toe)?);
+            let is_ankle = |limb: &DrivenLimb| limb.joint == ankle && limb.makes_contact;
+            let ankle_limb = all.iter().position(is_ankle)?;
+            let toe_limb = all.iter().position(|limb| limb.joint == toe && limb.parent == Some(ankle_limb));
+            let offset = toe_limb.map(|toe| positions[toe] - positions[ankle_limb]);
+            let forward = offset.and_then(|offset| direction(horizontal(offset))).or(forward)?;
+            let left = Vector3::UNITS[2].cross(forward);
+            let offset = offset.unwrap_or(Vector3::zero());
+            let frame = toe_limb.map_or(all[ankle_limb].frame, |toe| all[toe].frame);
+            Some(FootAxes {
+                ankle,
+                toe,
+                slope: flat_slope(capture, up, ankle, toe),
+                hips: hips(&parts),
+                limbs: (ankle_limb, toe_limb),
+                toe_offset: Vector3::new(offset.dot(forward), offset.dot(left), offset.z),
+                driven: [forward, left].map(|axis| DrivenAxis {
+                    frame,
+                    axis: stance[frame.index()].rotation.transpose_mul(axis),
+                    weight: FOOT_WEIGHT,
+                }),
+            })
+        });
+        let feet = feet.collect();
+        let hands = [
+            ([BodyPart::LeftElbow, BodyPart::LeftHand], "left"),
+            ([BodyPart::RightElbow, BodyPart::RightHand], "right"),
+        ];
+        let hands = hands.iter().filter_map(|([elbow, wrist], side)| {
+            let (elbow, wrist) = (*parts.get(elbow)?, *parts.get(wrist)?);
+            let limb = all.iter().position(|limb| limb.joint == wrist)?;
+            let parent = all[limb].parent.filter(|&parent| all[parent].joint == elbow)?;
+            let along = direction(positions[limb] - positions[parent])?;
+            let thumb = thumb_direction(along, forward?)?;
+            let frame = all[limb].frame;
+            let rotation = stance[frame.index()].rotation;
+            let wrist_joints = wrist_joints(model, all[parent].frame, frame);
+            let driven = |axis: Vector3<f64>| DrivenAxis {
+                frame,
+                axis: rotation.transpose_mul(axis),
+                weight: HAND_WEIGHT,
+            };
+            let fingers = finger_bases(capture.names(), side);
+            Some(HandAxes {
+                wrist,
+                elbow,
+                along: (wrist_joints >= 2).then(|| driven(along)),
+                thumb: (wrist_joints >= 1 && fingers.is_some()).then(|| driven(thumb)),
+                fingers,
+            })
+        });
+        Self { feet, hands: hands.collect() }
+    }
+
+    /// Returns whether a limb is the ankle or toe of a foot whose orientation is known.
+    pub(super) fn has_foot(&self, limb: usize) -> bool {
+        let mut feet = self.feet.iter().map(|foot| foot.limbs);
+        feet.any(|(ankle, toe)| ankle == limb || toe == Some(limb))
+    }
+
+    /// Returns the foot whose toe a limb is.
+    pub(super) fn foot_of_toe(&self, limb: usize) -> Option<&FootAxes> {
+        self.feet.iter().find(|foot| foot.limbs.1 == Some(limb))
+    }
+
+    /// Axes of the model, in the order of [`write_directions`](Self::write_directions).
+    pub(super) fn driven(&self) -> impl Iterator<Item = &DrivenAxis> {
+        let feet = self.feet.iter().flat_map(|foot| &foot.driven);
+        let hands = self.hands.iter().flat_map(|hand| [&hand.along, &hand.thumb].into_iter().flatten());
+        feet.chain(hands)
+    }
+
+    /// Appends the subject's direction of each driven axis. `at` returns the upright position of a joint.
+    pub(super) fn write_directions(&self, at: impl Fn(usize) -> Vector3<f64>, to: &mut Vec<Vector3<f64>>) {
+        for foot in &self.feet {
+            let [forward, left, _] = foot.axes(&at);
+            to.extend([forward, left]);
+        }
+        for hand in &self.hands {
+            let wrist = at(hand.wrist);
+            let along = match hand.fingers {
+                Some([middle, _, _]) => at(middle) - wrist,
+                None => wrist - at(hand.elbow),
+            };
+            let along = direction(along).unwrap_or(Vector3::UNITS[0]);
+            if hand.along.is_some() {
+                to.push(along);
+            }
+            if let (Some(_), Some([_, index, little])) = (&hand.thumb, hand.fingers) {
+                let across = at(index) - at(little);
+                let across = across - along * across.dot(along);
+                to.push(direction(across).unwrap_or(Vector3::UNITS[2]));
+            }
+        }
+    }
+}
+
+impl FootAxes {
+    /// Returns the subject's axes: forward, left and upward on a flat foot.
+    pub(super) fn axes(&self, at: impl Fn(usize) -> Vector3<f64>) -> [Vector3<f64>; 3] {
+        let [_, y, z] = Vector3::UNITS;
+        let along = direction(at(self.toe) - at(self.ankle)).unwrap_or(Vector3::UNITS[0]);
+        let hips = self.hips.map_or(y, |[left, right]| at(left) - at(right));
+        let left = z.cross(along) + horizontal(hips) * LATERAL_REGULARISATION;
+        let left = direction(left).unwrap_or(y);
+        let (sine, cosine) = self.slope;
+        let forward = direction(along * cosine + along.cross(left) * sine).unwrap_or(along);
+        [forward, left, forward.cross(left)]
+    }
+
+    /// Returns the vector from the model's ankle to its toe of a flat foot that points in a horizontal direction, metres.
+    pub(super) fn flat_toe_offset(&self, forward: Vector3<f64>) -> Vector3<f64> {
+        let up = Vector3::UNITS[2];
+        self.toe_offset(&[forward, up.cross(forward), up])
+    }
+
+    /// Returns the vector from the model's ankle to its toe for the subject's axes, metres.
+    pub(super) fn toe_offset(&self, axes: &[Vector3<f64>; 3]) -> Vector3<f64> {
+        let offset = self.toe_offset;
+        axes[0] * offset.x + axes[1] * offset.y + axes[2] * offset.z
+    }
+}
+
+pub(super) fn horizontal(v: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, 0.0)
+}
+
+/// Returns a vector with unit length, or `None` for one without direction.
+pub(super) fn direction(v: Vector3<f64>) -> Option<Vector3<f64>> {
+    let length = v.norm();
+    (length > MIN_LENGTH).then(|| v * (1.0 / length))
+}
+
+fn hips(parts: &BTreeMap<BodyPart, usize>) -> Option<[usize; 2]> {
+    Some([*parts.get(&BodyPart::LeftHip)?, *parts.get(&BodyPart::RightHip)?])
+}
+
+/// Returns the horizontal direction in which the model looks in a stance, from a line across its body.
+fn model_forward(
+    all: &[DrivenLimb],
+    parts: &BTreeMap<BodyPart, usize>,
+    positions: &[Vector3<f64>],
+) -> Option<Vector3<f64>> {
+    let pairs = [
+        [BodyPart::LeftHip, BodyPart::RightHip],
+        [BodyPart::LeftShoulder, BodyPart::RightShoulder],
+        [BodyPart::LeftAnkle, BodyPart::RightAnkle],
+    ];
+    pairs.iter().find_map(|pair| {
+        let position = |part: &BodyPart| {
+            let joint = parts.get(part)?;
+            let limb = all.iter().position(|limb| limb.joint == *joint)?;
+            Some(positions[limb])
+        };
+        let across = position(&pair[0])? - position(&pair[1])?;
+        direction(across.cross(Vector3::UNITS[2]))
+    })
+}
+
+/// Returns the direction towards the thumb of a hand at rest: forward if the arm hangs, otherwise turned with the arm by
+/// the smallest rotation.
+fn thumb_direction(along: Vector3<f64>, forward: Vector3<f64>) -> Option<Vector3<f64>> {
+    let down = -Vector3::UNITS[2];
+    let (axis, cosine) = (down.cross(along), down.dot(along));
+    // Rodrigues' formula for the smallest rotation of `down` to `along`.
+    let turned = forward + axis.cross(forward) + axis.cross(axis.cross(forward)) * (1.0 / (1.0 + cosine).max(1e-3));
+    direction(turned - along * turned.dot(along))
+}
+
+/// Returns the number of joints that rotate a hand relative to the forearm.
+fn wrist_joints(model: &Model, elbow: FrameId, hand: FrameId) -> usize {
+    let above = joints_above(model, elbow);
+    let turns = |id: &kinopt_kinematics::model::JointId| {
+        let joint = &model.joints()[id.index()];
+        !above.contains(id) && joint.moves() && joint.kind.turns()
+    };
+    joints_above(model, hand).iter().filter(|id| turns(id)).count()
+}
+
+/// Returns the bases of middle, index and little finger of a side, by their names.
+fn finger_bases(names: &[String], side: &str) -> Option<[usize; 3]> {
+    let base = |finger: &[&str]| {
+        names.iter().position(|name| {
+            let name = name.to_lowercase();
+            let bare: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
+            let on_side = bare.contains(side) || bare.starts_with(&side[..1]) && !bare.contains(if side == "left" { "right" } else { "left" });
+            on_side && finger.iter().any(|finger| bare.contains(finger)) && bare.ends_with('1')
+        })
+    };
+    Some([base(&["middle"])?, base(&["index"])?, base(&["pinky", "little"])?])
+}
+
+/// Returns sine and cosine of the slope from ankle to toe while the foot is flat: the median over frames at rest.
+fn flat_slope(capture: &Capture, up: UpAxis, ankle: usize, toe: usize) -> (f64, f64) {
+    let upright = |frame: usize| {
+        let joints = capture.frame(frame)?;
+        Some([ankle, toe].map(|joint| up.upright(joints[joint])))
+    };
+    let frames = (1..capture.frames()).filter_map(|frame| {
+        let [[ankle, toe], [last_ankle, last_toe]] = [upright(frame)?, upright(frame - 1)?];
+        let moved = (ankle - last_ankle).norm().max((toe - last_toe).norm());
+        let along = direction(toe - ankle)?;
+        Some((moved, -along.z))
+    });
+    let mut frames: Vec<(f64, f64)> = frames.collect();
+    frames.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at_rest = (REST_SHARE * frames.len() as f64).ceil() as usize;
+    let mut sines: Vec<f64> = frames[..at_rest.min(frames.len())].iter().map(|frame| frame.1).collect();
+    let sine = quantile(&mut sines, 0.5).clamp(-MAX_SLOPE, MAX_SLOPE);
+    (sine, (1.0 - sine * sine).sqrt())
+}
