@@ -26,7 +26,7 @@ const MAX_ANKLE_HEIGHT: f64 = 0.35;
 /// Largest distance of the axes of one ankle, relative to the height of the hip.
 const ANKLE_EXTENT: f64 = 0.12;
 /// Distance from ankle to toe, relative to the shin.
-const TOE_RATIO: f64 = 0.35;
+const TOE_RATIO: f64 = 0.45;
 /// Sine of the angle to a direction up to which an axis is along or across it.
 const MAX_OFF_AXIS: f64 = 0.5;
 /// Weight of the mean origin in the intersection of axes.
@@ -67,10 +67,15 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
     let tree = Tree::of(model)?;
     let pairs = tree.mirrored_pairs();
     let lowest = |pair: &[usize; 2]| tree.lowest(pair[0]).min(tree.lowest(pair[1]));
-    let has = |pair: &&[usize; 2], joints| pair.iter().all(|&root| tree.descendants(root).len() >= joints);
+    let has = |pair: &&[usize; 2], joints| {
+        pair.iter()
+            .all(|&root| tree.descendants(root).len() >= joints)
+    };
     let legs = pairs.iter().filter(|pair| has(pair, MIN_LEG_JOINTS));
     let legs = *legs.min_by(|a, b| lowest(a).total_cmp(&lowest(b)))?;
-    let arms = pairs.iter().filter(|pair| **pair != legs && has(pair, MIN_ARM_JOINTS));
+    let arms = pairs
+        .iter()
+        .filter(|pair| **pair != legs && has(pair, MIN_ARM_JOINTS));
     let arms = *arms.max_by(|a, b| tree.extent(a[0]).total_cmp(&tree.extent(b[0])))?;
     let ground = lowest(&legs);
     let [a, b] = [tree.leg(legs[0], ground)?, tree.leg(legs[1], ground)?];
@@ -95,8 +100,18 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
     };
     add(BodyPart::Pelvis, trunk, hips);
     for (leg, [hip, knee, ankle, toe]) in legs.iter().zip([
-        [BodyPart::LeftHip, BodyPart::LeftKnee, BodyPart::LeftAnkle, BodyPart::LeftToe],
-        [BodyPart::RightHip, BodyPart::RightKnee, BodyPart::RightAnkle, BodyPart::RightToe],
+        [
+            BodyPart::LeftHip,
+            BodyPart::LeftKnee,
+            BodyPart::LeftAnkle,
+            BodyPart::LeftToe,
+        ],
+        [
+            BodyPart::RightHip,
+            BodyPart::RightKnee,
+            BodyPart::RightAnkle,
+            BodyPart::RightToe,
+        ],
     ]) {
         add(hip, leg.hip_joints.last().copied(), leg.hip);
         add(knee, Some(leg.knee_joint), leg.knee);
@@ -105,8 +120,16 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
         add(toe, Some(leg.foot_joint), leg.ankle + forward * length);
     }
     for (root, [shoulder, elbow, hand]) in arms.into_iter().zip([
-        [BodyPart::LeftShoulder, BodyPart::LeftElbow, BodyPart::LeftHand],
-        [BodyPart::RightShoulder, BodyPart::RightElbow, BodyPart::RightHand],
+        [
+            BodyPart::LeftShoulder,
+            BodyPart::LeftElbow,
+            BodyPart::LeftHand,
+        ],
+        [
+            BodyPart::RightShoulder,
+            BodyPart::RightElbow,
+            BodyPart::RightHand,
+        ],
     ]) {
         let arm = tree.arm(root)?;
         add(shoulder, arm.shoulder_joints.last().copied(), arm.shoulder);
@@ -149,11 +172,15 @@ impl<'m> Tree<'m> {
         let placed = kinematics.place(&model.neutral()).ok()?.to_vec();
         let is_base = |id: JointId| {
             let free = model.free_joints().iter();
-            free.into_iter().any(|free| (free.index()..free.index() + 4).contains(&id.index()))
+            free.into_iter()
+                .any(|free| (free.index()..free.index() + 4).contains(&id.index()))
         };
         let moving = |id: &JointId| model.joints()[id.index()].kind.moves() && !is_base(*id);
         let ids: Vec<JointId> = model.joint_ids().filter(moving).collect();
-        if ids.iter().any(|id| model.joints()[id.index()].kind.is_ball()) {
+        if ids
+            .iter()
+            .any(|id| model.joints()[id.index()].kind.is_ball())
+        {
             return None;
         }
         let index_of = |id: JointId| ids.iter().position(|other| *other == id);
@@ -164,10 +191,12 @@ impl<'m> Tree<'m> {
         let mut axes: Vec<Axis> = Vec::with_capacity(ids.len());
         for &id in &ids {
             let joint = &model.joints()[id.index()];
-            let frame = (0..carriers.len()).find(|&frame| model.frames()[frame].joint == Some(id))?;
+            let frame =
+                (0..carriers.len()).find(|&frame| model.frames()[frame].joint == Some(id))?;
             // In the neutral configuration the axis is also that of the joint's own frame.
             let world_from_joint = placed[frame] * model.frames()[frame].joint_from_frame.inverse();
-            let mut above = std::iter::successors(joint.parent, |id| model.joints()[id.index()].parent);
+            let mut above =
+                std::iter::successors(joint.parent, |id| model.joints()[id.index()].parent);
             let parent = above.find_map(index_of);
             let (lower, upper) = (joint.limits.lower.max(-10.0), joint.limits.upper.min(10.0));
             axes.push(Axis {
@@ -186,8 +215,15 @@ impl<'m> Tree<'m> {
             }
         }
         let heights = || placed.iter().map(|frame| frame.translation.z);
-        let height = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
-        (height > 0.0).then_some(Self { model, placed, axes, carriers, height })
+        let height =
+            heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+        (height > 0.0).then_some(Self {
+            model,
+            placed,
+            axes,
+            carriers,
+            height,
+        })
     }
 
     /// Returns a joint and all joints beyond it.
@@ -205,7 +241,8 @@ impl<'m> Tree<'m> {
     fn carried(&self, root: usize) -> Vec<Vector3<f64>> {
         let joints = self.descendants(root);
         let frames = self.carriers.iter().zip(&self.placed);
-        let carried = frames.filter(|(carrier, _)| carrier.is_some_and(|joint| joints.contains(&joint)));
+        let carried =
+            frames.filter(|(carrier, _)| carrier.is_some_and(|joint| joints.contains(&joint)));
         carried.map(|(_, placed)| placed.translation).collect()
     }
 
@@ -217,14 +254,28 @@ impl<'m> Tree<'m> {
     /// Returns the mean position of the joints of a branch.
     fn centroid(&self, root: usize) -> Vector3<f64> {
         let joints = self.descendants(root);
-        let sum = joints.iter().fold(Vector3::zero(), |sum, &joint| sum + self.axes[joint].origin);
+        let sum = joints
+            .iter()
+            .fold(Vector3::zero(), |sum, &joint| sum + self.axes[joint].origin);
         sum * (1.0 / joints.len() as f64)
+    }
+
+    /// Returns the mean position of all joints, which is on the plane of symmetry.
+    fn centre_of_joints(&self) -> Vector3<f64> {
+        let sum = self
+            .axes
+            .iter()
+            .fold(Vector3::zero(), |sum, axis| sum + axis.origin);
+        sum * (1.0 / self.axes.len() as f64)
     }
 
     /// Returns the largest distance of a carried frame from the first joint.
     fn extent(&self, root: usize) -> f64 {
         let origin = self.axes[root].origin;
-        let distances = self.carried(root).into_iter().map(|position| (position - origin).norm());
+        let distances = self
+            .carried(root)
+            .into_iter()
+            .map(|position| (position - origin).norm());
         distances.fold(0.0, f64::max)
     }
 
@@ -236,25 +287,39 @@ impl<'m> Tree<'m> {
         while let Some(group) = groups.pop() {
             let mut unpaired = group.clone();
             for (k, &a) in group.iter().enumerate() {
-                let mirrored = group[k + 1..].iter().find(|&&b| unpaired.contains(&a) && unpaired.contains(&b) && self.are_mirrored(a, b));
+                let is_partner = |b: &&usize| {
+                    [a, **b].iter().all(|joint| unpaired.contains(joint))
+                        && self.are_mirrored(a, **b)
+                };
+                let mirrored = group[k + 1..].iter().find(is_partner);
                 if let Some(&b) = mirrored {
                     unpaired.retain(|joint| *joint != a && *joint != b);
                     pairs.push([a, b]);
                 }
             }
-            groups.extend(unpaired.into_iter().map(|joint| self.axes[joint].children.clone()));
+            groups.extend(
+                unpaired
+                    .into_iter()
+                    .map(|joint| self.axes[joint].children.clone()),
+            );
         }
         pairs
     }
 
     fn are_mirrored(&self, a: usize, b: usize) -> bool {
         let tolerance = MIRROR_TOLERANCE * self.height;
+        let [joints_a, joints_b] = [a, b].map(|root| self.descendants(root).len());
         let [a, b] = [self.centroid(a), self.centroid(b)];
         let apart = a - b;
         // Either horizontal axis may be the lateral one.
         let lateral = apart.x.abs().max(apart.y.abs());
         let other = apart.x.abs().min(apart.y.abs()).max(apart.z.abs());
-        other < tolerance && lateral > tolerance
+        let middle = (a + b) * 0.5 - self.centre_of_joints();
+        let off_plane = middle.dot(apart).abs() / lateral;
+        other < tolerance
+            && lateral > tolerance
+            && off_plane < tolerance
+            && joints_a.abs_diff(joints_b) <= 1
     }
 
     /// Returns the joints from a joint outward, up to the first branch into fingers or the last joint. `deepest` selects
@@ -262,12 +327,23 @@ impl<'m> Tree<'m> {
     fn chain(&self, root: usize, deepest: bool) -> Vec<usize> {
         let mut chain = vec![root];
         while let Some(&last) = chain.last() {
-            let children: Vec<usize> = self.axes[last].children.iter().copied().filter(|&child| !self.axes[child].slides).collect();
+            let children: Vec<usize> = self.axes[last]
+                .children
+                .iter()
+                .copied()
+                .filter(|&child| !self.axes[child].slides)
+                .collect();
             let next = match children.as_slice() {
                 [] => None,
                 [only] => Some(*only),
-                several if deepest => several.iter().copied().min_by(|&a, &b| self.lowest(a).total_cmp(&self.lowest(b))),
-                several => several.iter().copied().find(|&child| self.descendants(child).len() >= MIN_ARM_JOINTS + 2),
+                several if deepest => several
+                    .iter()
+                    .copied()
+                    .min_by(|&a, &b| self.lowest(a).total_cmp(&self.lowest(b))),
+                several => several
+                    .iter()
+                    .copied()
+                    .find(|&child| self.descendants(child).len() >= MIN_ARM_JOINTS + 2),
             };
             match next {
                 Some(next) => chain.push(next),
@@ -283,13 +359,19 @@ impl<'m> Tree<'m> {
         let mut rhs = Column::zeros();
         let column = |v: Vector3<f64>| Column::new(v.x, v.y, v.z);
         for &joint in joints {
-            let (origin, direction) = (column(self.axes[joint].origin), column(self.axes[joint].direction));
-            let across = Matrix3::identity() * (1.0 + CENTRE_REGULARISATION) - direction * direction.transpose();
+            let (origin, direction) = (
+                column(self.axes[joint].origin),
+                column(self.axes[joint].direction),
+            );
+            let across = Matrix3::identity() * (1.0 + CENTRE_REGULARISATION)
+                - direction * direction.transpose();
             matrix += across;
             rhs += across * origin;
         }
         let solved = matrix.cholesky().map(|factor| factor.solve(&rhs));
-        solved.map_or(Vector3::zero(), |point| Vector3::new(point.x, point.y, point.z))
+        solved.map_or(Vector3::zero(), |point| {
+            Vector3::new(point.x, point.y, point.z)
+        })
     }
 
     /// Returns the point of an axis that is nearest to the segment between two points.
@@ -305,13 +387,29 @@ impl<'m> Tree<'m> {
         let height = |joint: usize| (self.axes[joint].origin.z - ground) / hip_height;
         let is_level = |joint: usize| self.axes[joint].direction.z.abs() < MAX_OFF_AXIS;
         let knee_index = (1..joints.len())
-            .filter(|&k| is_level(joints[k]) && (KNEE_HEIGHTS[0]..KNEE_HEIGHTS[1]).contains(&height(joints[k])))
-            .min_by(|&a, &b| (height(joints[a]) - 0.5).abs().total_cmp(&(height(joints[b]) - 0.5).abs()))?;
+            .filter(|&k| {
+                is_level(joints[k])
+                    && (KNEE_HEIGHTS[0]..KNEE_HEIGHTS[1]).contains(&height(joints[k]))
+            })
+            .min_by(|&a, &b| {
+                (height(joints[a]) - 0.5)
+                    .abs()
+                    .total_cmp(&(height(joints[b]) - 0.5).abs())
+            })?;
         let beyond = &joints[knee_index + 1..];
-        let first_ankle = *beyond.iter().find(|&&joint| height(joint) < MAX_ANKLE_HEIGHT)?;
+        let first_ankle = *beyond
+            .iter()
+            .find(|&&joint| height(joint) < MAX_ANKLE_HEIGHT)?;
         let ankle_origin = self.axes[first_ankle].origin;
-        let is_ankle = |joint: &&usize| (self.axes[**joint].origin - ankle_origin).norm() < ANKLE_EXTENT * hip_height;
-        let ankle_joints: Vec<usize> = beyond.iter().skip_while(|joint| **joint != first_ankle).take_while(is_ankle).copied().collect();
+        let is_ankle = |joint: &&usize| {
+            (self.axes[**joint].origin - ankle_origin).norm() < ANKLE_EXTENT * hip_height
+        };
+        let ankle_joints: Vec<usize> = beyond
+            .iter()
+            .skip_while(|joint| **joint != first_ankle)
+            .take_while(is_ankle)
+            .copied()
+            .collect();
         // The hip's group ends where the thigh begins.
         let hip_joints = joints[..knee_index].to_vec();
         let (hip, ankle) = (self.centre(&hip_joints), self.centre(&ankle_joints));
@@ -335,7 +433,9 @@ impl<'m> Tree<'m> {
         let forward = backward * (-1.0 / length);
         let [x, y, _] = Vector3::UNITS;
         let axes = [x, y, -x, -y];
-        let nearest = axes.into_iter().max_by(|a, b| a.dot(forward).total_cmp(&b.dot(forward)));
+        let nearest = axes
+            .into_iter()
+            .max_by(|a, b| a.dot(forward).total_cmp(&b.dot(forward)));
         nearest.filter(|_| length > 0.0)
     }
 
@@ -359,7 +459,8 @@ impl<'m> Tree<'m> {
         let wrist_joints = &joints[elbow_index + 1..];
         let elbow = self.on_axis_near(elbow_joint, shoulder, tip);
         let upper_arm = (elbow - shoulder).norm();
-        let is_forearm = |position: &Vector3<f64>| (*position - elbow).norm() > MIN_FOREARM * upper_arm;
+        let is_forearm =
+            |position: &Vector3<f64>| (*position - elbow).norm() > MIN_FOREARM * upper_arm;
         let bends = wrist_joints.iter().copied().filter(|&joint| {
             let axis = &self.axes[joint];
             (axis.origin - elbow).norm() > MIN_FOREARM * upper_arm
@@ -367,14 +468,22 @@ impl<'m> Tree<'m> {
         let bends: Vec<usize> = bends.collect();
         let wrist = (!bends.is_empty()).then(|| self.centre(&bends));
         let position = wrist.filter(is_forearm).or(Some(tip).filter(is_forearm));
-        Some(ArmChain { shoulder_joints, shoulder, elbow_joint, elbow, hand: position.map(|position| (last, position)) })
+        Some(ArmChain {
+            shoulder_joints,
+            shoulder,
+            elbow_joint,
+            elbow,
+            hand: position.map(|position| (last, position)),
+        })
     }
 
     /// Returns the end of an arm: the farthest frame of its last link, or its last joint.
     fn tip(&self, joints: &[usize]) -> Vector3<f64> {
         let (first, last) = (self.axes[joints[0]].origin, joints[joints.len() - 1]);
         let frames = self.carriers.iter().zip(&self.placed);
-        let own = frames.filter(|(carrier, _)| **carrier == Some(last)).map(|(_, placed)| placed.translation);
+        let own = frames
+            .filter(|(carrier, _)| **carrier == Some(last))
+            .map(|(_, placed)| placed.translation);
         let farthest = own.max_by(|a, b| (*a - first).norm().total_cmp(&(*b - first).norm()));
         farthest.unwrap_or(self.axes[last].origin)
     }
@@ -382,10 +491,16 @@ impl<'m> Tree<'m> {
     /// Returns the last joint of the neck and the centre of its axes.
     fn head(&self, arms: [usize; 2]) -> Option<(usize, Vector3<f64>)> {
         let torso = self.axes[arms[0]].parent;
-        let siblings: Vec<usize> = (0..self.axes.len()).filter(|&joint| self.axes[joint].parent == torso).collect();
+        let siblings: Vec<usize> = (0..self.axes.len())
+            .filter(|&joint| self.axes[joint].parent == torso)
+            .collect();
         let shoulders = self.axes[arms[0]].origin.z;
-        let necks = siblings.into_iter().filter(|joint| !arms.contains(joint) && self.descendants(*joint).len() <= MAX_NECK_JOINTS);
-        let neck = necks.filter(|&joint| self.axes[joint].origin.z > shoulders - MIRROR_TOLERANCE * self.height);
+        let necks = siblings.into_iter().filter(|joint| {
+            !arms.contains(joint) && self.descendants(*joint).len() <= MAX_NECK_JOINTS
+        });
+        let neck = necks.filter(|&joint| {
+            self.axes[joint].origin.z > shoulders - MIRROR_TOLERANCE * self.height
+        });
         let root = neck.max_by(|&a, &b| self.axes[a].origin.z.total_cmp(&self.axes[b].origin.z))?;
         let joints = self.chain(root, false);
         Some((*joints.last()?, self.centre(&joints)))

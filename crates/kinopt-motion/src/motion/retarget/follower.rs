@@ -1,10 +1,11 @@
 //! Online retargeter: follows target positions sample by sample.
 
+use super::aligned_axis::AlignedAxis;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::FrameProblem;
-use super::aligned_axis::AlignedAxis;
+use super::on_terrain::SoleGround;
 use super::pelvis_heading::HipLine;
 use super::point_difference::PointDifference;
 use super::relative_limb;
@@ -32,10 +33,41 @@ const MAX_PENETRATION: f64 = 1e-3;
 /// noticeably.
 const CONTACT_WEIGHT: f64 = 300.0;
 
+/// Weight of the position of a hand on an object, relative to the largest weight of a point.
+pub(super) const GRASP_WEIGHT: f64 = 10.0;
+
 /// Weight of the posture, in metres of position per radian.
 const POSTURE_WEIGHT: f64 = 0.02;
 /// Weight of the previous configuration, in metres of position per radian; prevents jitter of undetermined joints.
 const PREVIOUS_POSE_WEIGHT: f64 = 0.1;
+
+/// Targets of one sample, in the unit of the solved body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameTargets<'a> {
+    /// Position of each driven point.
+    pub(super) positions: &'a [Vector3<f64>],
+    /// Directions of the driven axes of feet and hands, or empty.
+    pub(super) directions: &'a [Vector3<f64>],
+    /// Contact of each driven point, from 0 (free) to 1 (locked in place).
+    pub(super) contacts: &'a [f64],
+    /// Level at which each driven point holds an object, from 0 to 1, or empty.
+    pub(super) grasps: &'a [f64],
+    /// Terrain under each sole, or empty for level ground.
+    pub(super) grounds: &'a [SoleGround],
+}
+
+impl<'a> FrameTargets<'a> {
+    /// Targets without orientations, objects and terrain.
+    fn of_points(positions: &'a [Vector3<f64>], contacts: &'a [f64]) -> Self {
+        Self {
+            positions,
+            directions: &[],
+            contacts,
+            grasps: &[],
+            grounds: &[],
+        }
+    }
+}
 
 /// Online retargeter: follows target positions within the limits of position and velocity.
 ///
@@ -121,7 +153,12 @@ impl BodyFollower {
         });
         let vectors: Vec<_> = vectors.collect();
         let axes = limbs.orientations.driven();
-        let axes = axes.map(|axis| (tasks.add(AlignedAxis::new(axis.frame, axis.axis)), axis.weight));
+        let axes = axes.map(|axis| {
+            (
+                tasks.add(AlignedAxis::new(axis.frame, axis.axis)),
+                axis.weight,
+            )
+        });
         let axes: Vec<_> = axes.collect();
         let combined =
             (POSTURE_WEIGHT * POSTURE_WEIGHT + PREVIOUS_POSE_WEIGHT * PREVIOUS_POSE_WEIGHT).sqrt();
@@ -139,7 +176,8 @@ impl BodyFollower {
         let x = vec![0.0; problem.variables()];
         let q = model.neutral();
         let speeds = robot.moves_within(1.0);
-        let weights = (0..limbs.all.len()).map(|limb| relative_limb::point_weight(&limbs.all, limb));
+        let weights =
+            (0..limbs.all.len()).map(|limb| relative_limb::point_weight(&limbs.all, limb));
         let weights: Vec<f64> = weights.collect();
         let size = weights
             .iter()
@@ -220,26 +258,25 @@ impl BodyFollower {
         contacts: &[f64],
     ) -> Result<&[f64], RetargetError> {
         match self.unit.is_identity() {
-            true => self.follow(positions, &[], contacts)?,
+            true => self.follow(&FrameTargets::of_points(positions, contacts))?,
             false => {
                 let scale = self.unit.scale();
                 let positions: Vec<_> =
                     positions.iter().map(|position| *position * scale).collect();
-                self.follow(&positions, &[], contacts)?
+                self.follow(&FrameTargets::of_points(&positions, contacts))?
             }
         };
         Ok(&self.q)
     }
 
     /// Solves one sample with targets in the unit of the solved body. Returns its configuration.
-    ///
-    /// `directions` are those of the driven axes of feet and hands, or empty.
-    pub(super) fn follow(
-        &mut self,
-        positions: &[Vector3<f64>],
-        directions: &[Vector3<f64>],
-        contacts: &[f64],
-    ) -> Result<&[f64], RetargetError> {
+    pub(super) fn follow(&mut self, frame: &FrameTargets<'_>) -> Result<&[f64], RetargetError> {
+        let &FrameTargets {
+            positions,
+            contacts,
+            grounds,
+            ..
+        } = frame;
         let n = self.points.len();
         for (given, what) in [
             (positions.len(), "target positions"),
@@ -259,11 +296,11 @@ impl BodyFollower {
         {
             return Ok(&self.body_q);
         }
-        self.set_targets(positions, directions, contacts)?;
+        self.set_targets(frame)?;
         let mut solved = self.descend();
         if solved && self.feet.lock_orientations(&self.anchors, MAX_PENETRATION) {
             self.feet
-                .set_targets(&mut self.targets, &self.anchors, contacts)?;
+                .set_targets(&mut self.targets, &self.anchors, contacts, grounds)?;
             solved = self.descend();
         }
         if solved {
@@ -333,15 +370,20 @@ impl BodyFollower {
     }
 
     /// Sets all targets: locked points stay, released ones blend back to their targets.
-    fn set_targets(
-        &mut self,
-        positions: &[Vector3<f64>],
-        directions: &[Vector3<f64>],
-        contacts: &[f64],
-    ) -> Result<(), RetargetError> {
+    fn set_targets(&mut self, frame: &FrameTargets<'_>) -> Result<(), RetargetError> {
+        let &FrameTargets {
+            positions,
+            directions,
+            contacts,
+            grasps,
+            grounds,
+        } = frame;
+        let grasp = |limb: usize| grasps.get(limb).copied().unwrap_or(0.0);
         for &(limb, parent, task) in &self.vectors {
             let target = positions[limb] - positions[parent];
-            self.targets.get_mut(task)?.set_target(target);
+            let task = self.targets.get_mut(task)?;
+            task.set_target(target);
+            task.set_share(1.0 - grasp(limb));
         }
         for (&(task, weight), direction) in self.axes.iter().zip(directions) {
             self.targets.get_mut(task)?.set(*direction, weight);
@@ -360,13 +402,16 @@ impl BodyFollower {
             let weight = match self.anchors[k] {
                 Some(_) => CONTACT_WEIGHT * self.max_weight,
                 // Continuous from 1 to the touchdown weight.
-                None => base_weight * elementary::pow(self.landing_weight, contact.clamp(0.0, 1.0)),
+                None => {
+                    let landing = elementary::pow(self.landing_weight, contact.clamp(0.0, 1.0));
+                    base_weight * landing + GRASP_WEIGHT * self.max_weight * grasp(k)
+                }
             };
             let point = self.targets.get_mut(self.points[k])?;
             point.set(target, weight);
         }
         self.feet
-            .set_targets(&mut self.targets, &self.anchors, contacts)?;
+            .set_targets(&mut self.targets, &self.anchors, contacts, grounds)?;
         if let Some((line, task)) = &self.hip_line {
             line.set_direction(positions, self.targets.get_mut(*task)?);
         }

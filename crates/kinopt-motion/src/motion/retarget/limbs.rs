@@ -106,6 +106,7 @@ impl Limbs {
         let ground = ground_of_stance(&soles, &stance_positions, placed);
         for (limb, position) in all.iter_mut().zip(&stance_positions) {
             limb.clearance = position.z - ground;
+            limb.stance = *position;
         }
         let feet = all
             .iter()
@@ -198,6 +199,11 @@ impl Limbs {
         }
     }
 
+    /// Upward axis of the capture.
+    pub(super) fn up(&self) -> UpAxis {
+        self.up
+    }
+
     /// Returns whether the foot of a sole has the subject's orientation.
     pub(super) fn orients(&self, sole: &Sole) -> bool {
         let mut limbs = sole.balls.iter().map(|(_, limb)| *limb);
@@ -205,11 +211,7 @@ impl Limbs {
     }
 
     /// Writes the directions of the driven axes of feet and hands.
-    pub(super) fn write_directions(
-        &self,
-        captured: &[Vector3<f64>],
-        to: &mut Vec<Vector3<f64>>,
-    ) {
+    pub(super) fn write_directions(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         let upright = |joint: usize| self.up.upright(captured[joint]);
         self.orientations.write_directions(upright, to);
     }
@@ -299,6 +301,7 @@ fn mapped_limbs(
                 None => drive.names_foot_part(),
             },
             is_heel: false,
+            stance: Vector3::zero(),
             clearance: 0.0,
             ground: 0.0,
         });

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::follower::FrameTargets;
 use super::limbs::Limbs;
 use super::{BodyFollower, RetargetError, Retargeting};
 use crate::motion::ContactDetection;
@@ -93,8 +94,13 @@ impl LiveFollower {
         self.directions.clear();
         self.limbs.write_directions(captured, &mut self.directions);
         self.detect_contacts();
-        self.follower
-            .follow(&self.positions, &self.directions, &self.contact_levels)?;
+        self.follower.follow(&FrameTargets {
+            positions: &self.positions,
+            directions: &self.directions,
+            contacts: &self.contact_levels,
+            grasps: &[],
+            grounds: &[],
+        })?;
         Ok(self.follower.q())
     }
 

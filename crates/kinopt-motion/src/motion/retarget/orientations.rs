@@ -44,6 +44,8 @@ pub(super) struct FootAxes {
     hips: Option<[usize; 2]>,
     /// Indices of the limbs of ankle and toe; `None` for a toe that is not driven.
     limbs: (usize, Option<usize>),
+    /// Direction of the model's foot in its stance.
+    forward: Vector3<f64>,
     /// Vector from ankle to toe in the model's stance, forward, left and upward, metres.
     toe_offset: Vector3<f64>,
     /// Forward and left axis of the model's foot.
@@ -77,7 +79,10 @@ impl Orientations {
         stance: &[Placement<f64>],
     ) -> Self {
         let (parts, _) = parts_of_capture(capture);
-        let positions: Vec<_> = all.iter().map(|limb| stance[limb.frame.index()].apply(limb.offset)).collect();
+        let positions: Vec<_> = all
+            .iter()
+            .map(|limb| stance[limb.frame.index()].apply(limb.offset))
+            .collect();
         let forward = model_forward(all, &parts, &positions);
         let feet = [
             [BodyPart::LeftAnkle, BodyPart::LeftToe],
@@ -87,9 +92,13 @@ impl Orientations {
             let (ankle, toe) = (*parts.get(ankle)?, *parts.get(toe)?);
             let is_ankle = |limb: &DrivenLimb| limb.joint == ankle && limb.makes_contact;
             let ankle_limb = all.iter().position(is_ankle)?;
-            let toe_limb = all.iter().position(|limb| limb.joint == toe && limb.parent == Some(ankle_limb));
+            let toe_limb = all
+                .iter()
+                .position(|limb| limb.joint == toe && limb.parent == Some(ankle_limb));
             let offset = toe_limb.map(|toe| positions[toe] - positions[ankle_limb]);
-            let forward = offset.and_then(|offset| direction(horizontal(offset))).or(forward)?;
+            let forward = offset
+                .and_then(|offset| direction(horizontal(offset)))
+                .or(forward)?;
             let left = Vector3::UNITS[2].cross(forward);
             let offset = offset.unwrap_or(Vector3::zero());
             let frame = toe_limb.map_or(all[ankle_limb].frame, |toe| all[toe].frame);
@@ -99,6 +108,7 @@ impl Orientations {
                 slope: flat_slope(capture, up, ankle, toe),
                 hips: hips(&parts),
                 limbs: (ankle_limb, toe_limb),
+                forward,
                 toe_offset: Vector3::new(offset.dot(forward), offset.dot(left), offset.z),
                 driven: [forward, left].map(|axis| DrivenAxis {
                     frame,
@@ -115,7 +125,9 @@ impl Orientations {
         let hands = hands.iter().filter_map(|([elbow, wrist], side)| {
             let (elbow, wrist) = (*parts.get(elbow)?, *parts.get(wrist)?);
             let limb = all.iter().position(|limb| limb.joint == wrist)?;
-            let parent = all[limb].parent.filter(|&parent| all[parent].joint == elbow)?;
+            let parent = all[limb]
+                .parent
+                .filter(|&parent| all[parent].joint == elbow)?;
             let along = direction(positions[limb] - positions[parent])?;
             let thumb = thumb_direction(along, forward?)?;
             let frame = all[limb].frame;
@@ -135,13 +147,21 @@ impl Orientations {
                 fingers,
             })
         });
-        Self { feet, hands: hands.collect() }
+        Self {
+            feet,
+            hands: hands.collect(),
+        }
     }
 
     /// Returns whether a limb is the ankle or toe of a foot whose orientation is known.
     pub(super) fn has_foot(&self, limb: usize) -> bool {
         let mut feet = self.feet.iter().map(|foot| foot.limbs);
         feet.any(|(ankle, toe)| ankle == limb || toe == Some(limb))
+    }
+
+    /// Limb of the ankle of each foot, and the direction of the foot in the model's stance.
+    pub(super) fn feet(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        self.feet.iter().map(|foot| (foot.limbs.0, foot.forward))
     }
 
     /// Returns the foot whose toe a limb is.
@@ -152,12 +172,19 @@ impl Orientations {
     /// Axes of the model, in the order of [`write_directions`](Self::write_directions).
     pub(super) fn driven(&self) -> impl Iterator<Item = &DrivenAxis> {
         let feet = self.feet.iter().flat_map(|foot| &foot.driven);
-        let hands = self.hands.iter().flat_map(|hand| [&hand.along, &hand.thumb].into_iter().flatten());
+        let hands = self
+            .hands
+            .iter()
+            .flat_map(|hand| [&hand.along, &hand.thumb].into_iter().flatten());
         feet.chain(hands)
     }
 
     /// Appends the subject's direction of each driven axis. `at` returns the upright position of a joint.
-    pub(super) fn write_directions(&self, at: impl Fn(usize) -> Vector3<f64>, to: &mut Vec<Vector3<f64>>) {
+    pub(super) fn write_directions(
+        &self,
+        at: impl Fn(usize) -> Vector3<f64>,
+        to: &mut Vec<Vector3<f64>>,
+    ) {
         for foot in &self.feet {
             let [forward, left, _] = foot.axes(&at);
             to.extend([forward, left]);
@@ -218,7 +245,10 @@ pub(super) fn direction(v: Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 fn hips(parts: &BTreeMap<BodyPart, usize>) -> Option<[usize; 2]> {
-    Some([*parts.get(&BodyPart::LeftHip)?, *parts.get(&BodyPart::RightHip)?])
+    Some([
+        *parts.get(&BodyPart::LeftHip)?,
+        *parts.get(&BodyPart::RightHip)?,
+    ])
 }
 
 /// Returns the horizontal direction in which the model looks in a stance, from a line across its body.
@@ -249,7 +279,9 @@ fn thumb_direction(along: Vector3<f64>, forward: Vector3<f64>) -> Option<Vector3
     let down = -Vector3::UNITS[2];
     let (axis, cosine) = (down.cross(along), down.dot(along));
     // Rodrigues' formula for the smallest rotation of `down` to `along`.
-    let turned = forward + axis.cross(forward) + axis.cross(axis.cross(forward)) * (1.0 / (1.0 + cosine).max(1e-3));
+    let turned = forward
+        + axis.cross(forward)
+        + axis.cross(axis.cross(forward)) * (1.0 / (1.0 + cosine).max(1e-3));
     direction(turned - along * turned.dot(along))
 }
 
@@ -260,7 +292,10 @@ fn wrist_joints(model: &Model, elbow: FrameId, hand: FrameId) -> usize {
         let joint = &model.joints()[id.index()];
         !above.contains(id) && joint.moves() && joint.kind.turns()
     };
-    joints_above(model, hand).iter().filter(|id| turns(id)).count()
+    joints_above(model, hand)
+        .iter()
+        .filter(|id| turns(id))
+        .count()
 }
 
 /// Returns the bases of middle, index and little finger of a side, by their names.
@@ -269,11 +304,17 @@ fn finger_bases(names: &[String], side: &str) -> Option<[usize; 3]> {
         names.iter().position(|name| {
             let name = name.to_lowercase();
             let bare: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
-            let on_side = bare.contains(side) || bare.starts_with(&side[..1]) && !bare.contains(if side == "left" { "right" } else { "left" });
+            let on_side = bare.contains(side)
+                || bare.starts_with(&side[..1])
+                    && !bare.contains(if side == "left" { "right" } else { "left" });
             on_side && finger.iter().any(|finger| bare.contains(finger)) && bare.ends_with('1')
         })
     };
-    Some([base(&["middle"])?, base(&["index"])?, base(&["pinky", "little"])?])
+    Some([
+        base(&["middle"])?,
+        base(&["index"])?,
+        base(&["pinky", "little"])?,
+    ])
 }
 
 /// Returns sine and cosine of the slope from ankle to toe while the foot is flat: the median over frames at rest.
@@ -291,7 +332,10 @@ fn flat_slope(capture: &Capture, up: UpAxis, ankle: usize, toe: usize) -> (f64, 
     let mut frames: Vec<(f64, f64)> = frames.collect();
     frames.sort_by(|a, b| a.0.total_cmp(&b.0));
     let at_rest = (REST_SHARE * frames.len() as f64).ceil() as usize;
-    let mut sines: Vec<f64> = frames[..at_rest.min(frames.len())].iter().map(|frame| frame.1).collect();
+    let mut sines: Vec<f64> = frames[..at_rest.min(frames.len())]
+        .iter()
+        .map(|frame| frame.1)
+        .collect();
     let sine = quantile(&mut sines, 0.5).clamp(-MAX_SLOPE, MAX_SLOPE);
     (sine, (1.0 - sine * sine).sqrt())
 }

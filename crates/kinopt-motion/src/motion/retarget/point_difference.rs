@@ -12,6 +12,8 @@ pub(super) struct PointDifference {
     offsets: [Vector3<f64>; 2],
     target: Vector3<f64>,
     weight: f64,
+    /// Factor of the weight.
+    share: f64,
 }
 
 impl PointDifference {
@@ -22,12 +24,22 @@ impl PointDifference {
             offsets,
             target: Vector3::zero(),
             weight,
+            share: 1.0,
         }
     }
 
     /// Sets the target of the vector, metres.
     pub(super) fn set_target(&mut self, target: Vector3<f64>) {
         self.target = target;
+    }
+
+    /// Sets the factor of the weight.
+    pub(super) fn set_share(&mut self, share: f64) {
+        self.share = share;
+    }
+
+    fn weight(&self) -> f64 {
+        self.share * self.weight
     }
 }
 
@@ -42,7 +54,7 @@ impl Residual for PointDifference {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         let [a, b] = [0, 1].map(|k| frames[k].apply(Vector3::constant(self.offsets[k])));
-        let error = (a - b - Vector3::constant(self.target)) * S::constant(self.weight);
+        let error = (a - b - Vector3::constant(self.target)) * S::constant(self.weight());
         residual.copy_from_slice(&error.to_array());
     }
 
@@ -52,7 +64,7 @@ impl Residual for PointDifference {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        for (k, weight) in [self.weight, -self.weight].into_iter().enumerate() {
+        for (k, weight) in [self.weight(), -self.weight()].into_iter().enumerate() {
             let lever = frames[k].rotation * self.offsets[k];
             jacobian.set_point(k, Some(lever), weight);
         }

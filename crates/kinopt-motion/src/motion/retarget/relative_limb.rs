@@ -13,7 +13,9 @@ const ABSOLUTE_SHARE: f64 = 0.1;
 fn is_relative(all: &[DrivenLimb], limb: usize) -> bool {
     let parent = all[limb].parent.map(|parent| &all[parent]);
     let begins_at_root = parent.is_none_or(|parent| parent.parent.is_none());
-    !begins_at_root && !all[limb].makes_contact && parent.is_some_and(|parent| parent.frame != all[limb].frame)
+    !begins_at_root
+        && !all[limb].makes_contact
+        && parent.is_some_and(|parent| parent.frame != all[limb].frame)
 }
 
 /// Returns the task of a limb's vector from its parent; `None` for one without.

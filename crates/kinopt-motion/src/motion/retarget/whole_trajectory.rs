@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::aligned_axis::AlignedAxis;
 use super::contacts::LimbContact;
 use super::driven_point::DrivenPoint;
-use super::follower::posture;
+use super::follower::{GRASP_WEIGHT, posture};
 use super::footholds::Footholds;
 use super::relative_limb;
 use super::retargeting::as_map_error;
@@ -109,19 +109,27 @@ impl Retargeting<'_> {
             });
         }
         for (k, limb) in self.limbs.all.iter().enumerate() {
-            let (Some(task), Some(parent)) = (relative_limb::task(&self.limbs.all, k), limb.parent) else {
+            let (Some(task), Some(parent)) = (relative_limb::task(&self.limbs.all, k), limb.parent)
+            else {
                 continue;
             };
             let (task, targets) = (motion.add(task), Arc::clone(&self.targets));
+            let grasps = Arc::clone(&self.grasps);
             motion.follow(task, move |frame, task| {
                 task.set_target(targets[frame * n + k] - targets[frame * n + parent]);
+                task.set_share(1.0 - grasps.get(frame * n + k).copied().unwrap_or(0.0));
             });
         }
         let driven: Vec<_> = self.limbs.orientations.driven().cloned().collect();
         for (k, axis) in driven.iter().enumerate() {
             let (weight, count) = (axis.weight, driven.len());
-            let (task, directions) = (motion.add(AlignedAxis::new(axis.frame, axis.axis)), Arc::clone(&self.directions));
-            motion.follow(task, move |frame, task| task.set(directions[frame * count + k], weight));
+            let (task, directions) = (
+                motion.add(AlignedAxis::new(axis.frame, axis.axis)),
+                Arc::clone(&self.directions),
+            );
+            motion.follow(task, move |frame, task| {
+                task.set(directions[frame * count + k], weight)
+            });
         }
         motion.add(posture(model));
         self.keep_feet_over_ground(footholds, &mut motion);
@@ -155,6 +163,9 @@ impl Retargeting<'_> {
         let weights = (0..n).map(|limb| relative_limb::point_weight(&self.limbs.all, limb));
         let mut weighted_targets: Vec<_> =
             self.targets.iter().copied().zip(weights.cycle()).collect();
+        for ((_, weight), grasp) in weighted_targets.iter_mut().zip(&*self.grasps) {
+            *weight += GRASP_WEIGHT * max_weight * grasp;
+        }
         let mut kinematics =
             ForwardKinematics::of_frames(model, &self.driven()).map_err(as_map_error)?;
         let lead = self.options.contacts.lead_frames(self.frame_rate);
