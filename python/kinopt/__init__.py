@@ -91,7 +91,7 @@ from .errors import (
 
 from .motion import Contact
 from .placements import placement
-from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
+from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget, retarget_hand
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -183,6 +183,7 @@ __all__ = [
     "guess_map",
     "interpolate",
     "retarget",
+    "retarget_hand",
     "retargeting",
     "solve_path",
     "io",

@@ -63,8 +63,8 @@ class Judge:
         return [self.model.joints[self.model.getJointId(name)].idx_q for name in joints]
 
     def placements(self, movement: Movement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions (T, K, 3) and rotations (T, K, 3, 3) of the driven links and of feet and hands, and the height of
-        the lowest point of both soles (T), metres.
+        """Positions (T, K, 3) and rotations (T, K, 3, 3) of the driven links and of feet and hands. The third array
+        has the height of the lowest point of both soles (T), metres.
         """
         columns, whole = self.columns(movement.joints), pinocchio.neutral(self.model)
         at = np.empty((len(movement.q), len(self.ids), 3))
@@ -163,13 +163,19 @@ def end_error(robot: dict[str, np.ndarray], subject: Subject, side: str, end: st
     return float(np.linalg.norm(relative(robot.__getitem__) - relative(subject.of), axis=1).mean())
 
 
+def flat_slope(ankle: np.ndarray, toe: np.ndarray) -> float:
+    """Slope in radians from ankle to toe while the foot is flat: the median over the slowest quarter of the frames."""
+    moved = np.maximum(*[np.linalg.norm(np.diff(joint, axis=0), axis=1) for joint in (ankle, toe)])
+    slowest = 1 + np.argsort(moved, kind="stable")[:max(1, int(np.ceil(0.25 * len(moved))))]
+    return float(np.median(np.arcsin(np.clip(-unit(toe - ankle)[slowest, 2], -0.9, 0.9))))
+
+
 def foot_error(subject: Subject, side: str, foot: np.ndarray) -> float:
     """Mean angle in degrees between the foot and the line from the subject's ankle to the toe, both parallel to the
     ground in contact.
     """
     ankle, toe = subject.of(f"{side}Foot"), subject.of(f"{side}ToeBase")
-    heights = np.quantile(ankle[:, 2], 0.05) - np.quantile(toe[:, 2], 0.05)
-    slope = np.arcsin(np.clip(heights / np.median(np.linalg.norm(toe - ankle, axis=1)), -0.9, 0.9))
+    slope = flat_slope(ankle, toe)
     along = unit(toe - ankle)
     across = unit(np.cross([0.0, 0.0, 1.0], along))
     level = np.cos(slope) * along + np.sin(slope) * np.cross(along, across)

@@ -42,6 +42,11 @@ impl MapOptions {
         self.print_map || self.save_map.is_some()
     }
 
+    /// File or name of the map, if given.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.map.as_deref()
+    }
+
     /// Reads the body map for the target file.
     pub(super) fn read(&self, target: &Path) -> Outcome<MapChoice> {
         let Some(given) = &self.map else {
@@ -129,7 +134,10 @@ fn report_parts(file: &str, guess: &MapGuess) {
         guess.map.drives.len(),
         BodyPart::ALL.len(),
         source(guess.skeleton, "joints' names"),
-        source(guess.body, "frames' names"),
+        match guess.from_tree {
+            true => "the robot's tree".to_owned(),
+            false => source(guess.body, "frames' names"),
+        },
     ));
 }
 

@@ -3,9 +3,11 @@
 mod collision_avoidance;
 mod contact_options;
 mod folder;
+mod hand;
 mod map_choice;
 mod movement_file;
 mod source;
+mod surroundings;
 mod target;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +25,7 @@ use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_con
 use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
 use self::source::{SourceOptions, Up};
+use self::surroundings::{Surroundings, SurroundingsOptions};
 use self::target::Target;
 use crate::choices::first_given;
 use crate::failure::Outcome;
@@ -70,6 +73,13 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     contacts: ContactOptions,
+
+    /// Robot hand: fingertips follow. SIDE selects a hand of a body.
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, default_missing_value = "", require_equals = true)]
+    hand: Option<String>,
+
+    #[command(flatten)]
+    surroundings: SurroundingsOptions,
 
     #[command(flatten)]
     avoidance: AvoidanceOptions,
@@ -158,6 +168,7 @@ struct Job<'a> {
     avoidance: Option<CollisionAvoidance>,
     /// Shapes of the feet. Meshes whose files are missing are left out.
     shapes: FootShapes,
+    surroundings: Surroundings,
     map: MapChoice,
     format: TrajectoryFormat,
     /// Collision shapes in words, if they are not the default.
@@ -174,6 +185,7 @@ impl<'a> Job<'a> {
             arguments,
             avoidance: arguments.avoidance.of(&target, &problem.collisions)?,
             shapes: FootShapes::of_files(&target.robot),
+            surroundings: arguments.surroundings.read()?,
             target,
             map,
             format,
@@ -184,6 +196,7 @@ impl<'a> Job<'a> {
     fn options(&self) -> RetargetOptions {
         RetargetOptions::default()
             .with_shapes(self.shapes.clone())
+            .with_terrain(self.surroundings.terrain.clone())
             .with_contacts(self.arguments.contacts.detection())
     }
 
@@ -198,6 +211,7 @@ impl<'a> Job<'a> {
         query.map = self.map.given();
         query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
         query.whole = self.arguments.whole;
+        query.more.extend(self.surroundings.object.as_ref().map(|object| format!("{object:?}")));
         if self.format == TrajectoryFormat::Csv && self.arguments.header {
             query.more.push("header".to_owned());
         }
@@ -221,6 +235,10 @@ impl<'a> Job<'a> {
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
         self.target.report_up_axis(fitted.model_stands_along());
         let stride = fitted.stride();
+        if let Some(object) = &self.surroundings.object {
+            let held = fitted.with_object(object, &read.capture);
+            fitted = held.map_err(|error| self.map.failed(&file, &error))?;
+        }
         if let Some(avoidance) = &self.avoidance {
             fitted = fitted.keep_clear(&avoidance.at_stride(stride)?);
         }
@@ -294,6 +312,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let Some(out) = arguments.out.as_deref() else {
         return Ok(());
     };
+    if arguments.hand.is_some() {
+        return hand::run(arguments, out, json);
+    }
     if folder {
         return folder::run(arguments, out, json);
     }

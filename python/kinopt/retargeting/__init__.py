@@ -9,6 +9,7 @@ from __future__ import annotations
 from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
+from .hand import HandReport, HandRetargetFollower, retarget_hand
 from .maps import MapGuess, guess_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching, to_clip
 from .retarget import retarget
@@ -18,6 +19,8 @@ __all__ = [
     "Capture",
     "ClipReport",
     "FigureTarget",
+    "HandReport",
+    "HandRetargetFollower",
     "LostContact",
     "LimitMet",
     "MapGuess",
@@ -28,5 +31,6 @@ __all__ = [
     "read_capture",
     "retarget",
     "retarget_folder",
+    "retarget_hand",
     "to_clip",
 ]

@@ -8,6 +8,7 @@ use std::time::Duration;
 use kinopt::motion::retarget::{RetargetError, UpAxis};
 use kinopt::motion::trajectory::MotionBound;
 use kinopt::solver::Side;
+use kinopt::spatial::{Placement, Quaternion};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,6 +31,7 @@ type MovementParts<'py> = (
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String)>,
     (Option<&'static str>, bool),
+    Bound<'py, PyArray2<f64>>,
 );
 
 /// Time between two checks for signals.
@@ -93,6 +95,14 @@ fn while_listening<T: Send>(
     })
 }
 
+/// Position and quaternion w, x, y, z of a pose.
+fn pose_numbers(pose: &Placement<f64>) -> [f64; 7] {
+    let [x, y, z] = pose.translation.to_array();
+    let rotation = Quaternion::from_matrix(&pose.rotation);
+    let [i, j, k] = rotation.v.to_array();
+    [x, y, z, rotation.w, i, j, k]
+}
+
 /// Retargets a capture to a target by a map (JSON).
 #[pyfunction]
 pub(super) fn capture_retargeted<'py>(
@@ -122,6 +132,7 @@ pub(super) fn capture_retargeted<'py>(
         let driving = retargeting.driving();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
+        let object = retargeting.object_poses().to_vec();
         Ok((
             retargeted,
             errors,
@@ -130,9 +141,11 @@ pub(super) fn capture_retargeted<'py>(
             stride,
             up,
             has_fixed_base,
+            object,
         ))
     })?;
-    let (retargeted, errors, limits, driving, stride, up, has_fixed_base) = retargeted;
+    let (retargeted, errors, limits, driving, stride, up, has_fixed_base, object) = retargeted;
+    let object_poses: Vec<f64> = object.iter().flat_map(pose_numbers).collect();
     let driven = driving
         .iter()
         .map(|&joint| request.capture.names()[joint].clone());
@@ -181,5 +194,6 @@ pub(super) fn capture_retargeted<'py>(
             up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
             has_fixed_base,
         ),
+        arrays::list(py, &object_poses).reshape([object.len(), 7])?,
     ))
 }

@@ -111,7 +111,10 @@ each! { value:
     motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::RetargetReport, motion::retarget::Retargeting<'static>,
-    motion::retarget::Touching, motion::retarget::UpAxis,
+    motion::retarget::Touching, motion::retarget::UpAxis, motion::retarget::Terrain, motion::retarget::TerrainPatch,
+    motion::retarget::HeldObject, motion::retarget::ObjectShape, motion::retarget::Finger, motion::retarget::FingerDrive,
+    motion::retarget::HandMap, motion::retarget::HandReport, motion::retarget::HandRetargeting<'static>,
+    motion::retarget::HandFollower,
 }
 
 each! { value:

@@ -1,6 +1,6 @@
 //! Body parts of a humanoid robot from its kinematic tree.
 //!
-//! Names of links differ from robot to robot, and origins of links are often beside the anatomical joints. The tree
+//! Names of links differ from robot to robot, and origins of links are seldom at the anatomical joints. The tree
 //! determines both: legs and arms are mirrored branches, and the axes of a hip, shoulder, wrist or ankle nearly
 //! intersect in its centre.
 
@@ -77,6 +77,10 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
         .iter()
         .filter(|pair| **pair != legs && has(pair, MIN_ARM_JOINTS));
     let arms = *arms.max_by(|a, b| tree.extent(a[0]).total_cmp(&tree.extent(b[0])))?;
+    // The front legs of a quadruped are no arms.
+    if tree.axes[arms[0]].origin.z < tree.axes[legs[0]].origin.z + MIRROR_TOLERANCE * tree.height {
+        return None;
+    }
     let ground = lowest(&legs);
     let [a, b] = [tree.leg(legs[0], ground)?, tree.leg(legs[1], ground)?];
     let forward = tree.forward(&a)?;

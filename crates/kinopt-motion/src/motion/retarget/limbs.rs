@@ -16,7 +16,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 /// Limb length, relative to the body, below which a limb counts as missing and is not scaled.
 const MIN_LIMB_RATIO: f64 = 1e-6;
 /// Quantile of the heights of a contact point that counts as the ground.
-pub(super) const GROUND_QUANTILE: f64 = 0.05;
+const GROUND_QUANTILE: f64 = 0.05;
 
 /// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]

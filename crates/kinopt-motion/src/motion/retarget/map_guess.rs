@@ -29,6 +29,8 @@ pub struct MapGuess {
     pub skeleton: Option<&'static str>,
     /// Built-in body that matches the model.
     pub body: Option<&'static str>,
+    /// True if the model's parts are those of its kinematic tree, independent of its names.
+    pub from_tree: bool,
     /// Axis, y or z, along which the body is upright, if its parts determine it.
     pub up: Option<UpAxis>,
     /// Warnings: a map without assignments, parts missing on one side, and implausible proportions.
@@ -93,6 +95,7 @@ impl BodyMap {
             map: self,
             skeleton: None,
             body: None,
+            from_tree: false,
             up,
             notes: Proportions::of(capture, &parts).warnings(),
         })
@@ -132,7 +135,13 @@ impl BodyMap {
         let up = upright_axis(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let mut notes = Vec::new();
-        let (body, parts) = match (KnownBody::of_model(model)?, parts_of_structure(model)) {
+        let known = KnownBody::of_model(model)?;
+        let drives = match known {
+            Some(_) => None,
+            None => parts_of_structure(model),
+        };
+        let from_tree = drives.is_some();
+        let (body, parts) = match (known, drives) {
             (Some(known), _) => (Some(known.name), known.parts),
             (None, Some(drives)) => {
                 let drives = drives.iter();
@@ -173,8 +182,8 @@ impl BodyMap {
                     driving.insert(part, joint);
                     drives.push(frame);
                 }
-                // A built-in body is complete, so missing parts need no warning.
-                (Some(_), None) if body.is_some() => {}
+                // A built-in body and a tree are complete, so missing parts need no warning.
+                (Some(_), None) if body.is_some() || from_tree => {}
                 (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
                 (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
                 (None, None) => {}
@@ -198,6 +207,7 @@ impl BodyMap {
             map,
             skeleton,
             body,
+            from_tree,
             up,
             notes,
         })

@@ -119,10 +119,10 @@ impl Orientations {
         });
         let feet = feet.collect();
         let hands = [
-            ([BodyPart::LeftElbow, BodyPart::LeftHand], "left"),
-            ([BodyPart::RightElbow, BodyPart::RightHand], "right"),
+            ([BodyPart::LeftElbow, BodyPart::LeftHand], ["left", "right"]),
+            ([BodyPart::RightElbow, BodyPart::RightHand], ["right", "left"]),
         ];
-        let hands = hands.iter().filter_map(|([elbow, wrist], side)| {
+        let hands = hands.iter().filter_map(|([elbow, wrist], [side, other_side])| {
             let (elbow, wrist) = (*parts.get(elbow)?, *parts.get(wrist)?);
             let limb = all.iter().position(|limb| limb.joint == wrist)?;
             let parent = all[limb]
@@ -138,7 +138,7 @@ impl Orientations {
                 axis: rotation.transpose_mul(axis),
                 weight: HAND_WEIGHT,
             };
-            let fingers = finger_bases(capture.names(), side);
+            let fingers = finger_bases(capture.names(), side, other_side);
             Some(HandAxes {
                 wrist,
                 elbow,
@@ -298,16 +298,15 @@ fn wrist_joints(model: &Model, elbow: FrameId, hand: FrameId) -> usize {
         .count()
 }
 
-/// Returns the bases of middle, index and little finger of a side, by their names.
-fn finger_bases(names: &[String], side: &str) -> Option<[usize; 3]> {
-    let base = |finger: &[&str]| {
+/// Returns the bases of middle, index and little finger of a side, by names such as `LeftHandIndex1` and `l_index1`.
+fn finger_bases(names: &[String], side: &str, other_side: &str) -> Option<[usize; 3]> {
+    let base = |words: &[&str]| {
         names.iter().position(|name| {
-            let name = name.to_lowercase();
-            let bare: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
-            let on_side = bare.contains(side)
-                || bare.starts_with(&side[..1])
-                    && !bare.contains(if side == "left" { "right" } else { "left" });
-            on_side && finger.iter().any(|finger| bare.contains(finger)) && bare.ends_with('1')
+            let bare = name.chars().filter(|c| c.is_alphanumeric());
+            let bare: String = bare.flat_map(char::to_lowercase).collect();
+            let is_initial = bare.starts_with(&side[..1]) && !bare.contains(other_side);
+            let is_on_side = bare.contains(side) || is_initial;
+            is_on_side && bare.ends_with('1') && words.iter().any(|word| bare.contains(word))
         })
     };
     Some([

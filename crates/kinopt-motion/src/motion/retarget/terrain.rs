@@ -7,7 +7,7 @@ use kinopt_kinematics::bad_option::{BadOption, POSITIVE, Range};
 use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::Vector3;
 
-/// Slopes that feet can stand on.
+/// Allowed slopes of the ground, and allowed coordinates.
 const SLOPE_RANGE: Range = (|v| v.abs() <= 1.0, "within [-1, 1] rad");
 const COORDINATE_RANGE: Range = (|v| v.abs() <= 1e6, "within [-1e6, 1e6] m");
 

@@ -1,8 +1,8 @@
 //! Retargeting of hands: fingertips of a robot hand follow those of a subject.
 //!
-//! The vector from the base of each finger to its tip, and those from the thumb's tip to the other tips, are scaled and
-//! followed within the joint limits (Qin et al. 2023, "AnyTeleop", arXiv 2307.04577). Orientation and sizes of both
-//! hands are measured, so no robot needs numbers of its own.
+//! The followed vectors are those from the base of each finger to its tip, and from the thumb's tip to the other tips
+//! (Qin et al. 2023, "AnyTeleop", arXiv 2307.04577). They are scaled, and followed within the joint limits. Orientation
+//! and sizes of both hands are measured, so no robot needs numbers of its own.
 
 mod finger;
 mod hand_map;
