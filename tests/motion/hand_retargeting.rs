@@ -62,15 +62,25 @@ fn capture(robot: &Robot) -> (Capture, Vec<Vec<Vector3<f64>>>) {
     let (mut numbers, mut tips) = (Vec::new(), Vec::new());
     for frame in 0..FRAMES {
         let closing = 0.5 - 0.5 * (frame as f64 * 0.1).cos();
-        let q: Vec<f64> = (0..model.configuration_len()).map(|k| closing * (0.5 + 0.1 * (k % 5) as f64)).collect();
+        let q: Vec<f64> = (0..model.configuration_len())
+            .map(|k| closing * (0.5 + 0.1 * (k % 5) as f64))
+            .collect();
         let placed = kinematics.place(&q).unwrap();
         let at = |frame: &str| placed[model.frame(frame).unwrap().index()].translation;
         let mut points = vec![subject(Vector3::zero())];
         for finger in FINGERS {
-            points.extend([subject(at(&format!("{finger}_0"))), subject(at(&format!("{finger}_tip")))]);
+            points.extend([
+                subject(at(&format!("{finger}_0"))),
+                subject(at(&format!("{finger}_tip"))),
+            ]);
         }
         numbers.extend(points.iter().flat_map(|point| point.to_array()));
-        tips.push(FINGERS.iter().map(|finger| at(&format!("{finger}_tip"))).collect());
+        tips.push(
+            FINGERS
+                .iter()
+                .map(|finger| at(&format!("{finger}_tip")))
+                .collect(),
+        );
     }
     (Capture::new(names, &numbers, RATE).unwrap(), tips)
 }
@@ -83,11 +93,17 @@ fn captured_robot_hand_is_reproduced() {
     let map = HandMap::guess(&capture, model, None).unwrap();
     assert_eq!(map.fingers.len(), 4);
     assert_eq!(HandMap::from_json(&map.to_json()).unwrap(), map);
-    let motion = HandRetargeting::new(&robot, &map, &capture).unwrap().per_frame().unwrap();
+    let motion = HandRetargeting::new(&robot, &map, &capture)
+        .unwrap()
+        .per_frame()
+        .unwrap();
     for scale in &motion.report.scales {
         assert!((scale - 0.5).abs() < 0.02, "{scale}");
     }
-    let frames: Vec<_> = FINGERS.iter().map(|finger| model.frame(&format!("{finger}_tip")).unwrap()).collect();
+    let frames: Vec<_> = FINGERS
+        .iter()
+        .map(|finger| model.frame(&format!("{finger}_tip")).unwrap())
+        .collect();
     let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();
     let mut last: Option<Vec<f64>> = None;
     for (q, tips) in motion.rows().zip(&tips) {
@@ -98,7 +114,11 @@ fn captured_robot_hand_is_reproduced() {
             assert!(error < 0.006, "{error} m");
         }
         if let Some(last) = last.replace(q.to_vec()) {
-            let step = q.iter().zip(&last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let step = q
+                .iter()
+                .zip(&last)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
             assert!(step < 12.0 / RATE + 1e-9, "{step} rad");
         }
     }
@@ -109,11 +129,22 @@ fn mirrored_hand_curls_to_its_own_palm() {
     let robot = hand();
     let (capture, _) = capture(&robot);
     let mirrored: Vec<f64> = (0..capture.frames())
-        .flat_map(|frame| capture.frame(frame).unwrap().iter().flat_map(|at| [at.x, -at.y, at.z]))
+        .flat_map(|frame| {
+            capture
+                .frame(frame)
+                .unwrap()
+                .iter()
+                .flat_map(|at| [at.x, -at.y, at.z])
+        })
         .collect();
     let other = Capture::new(capture.names().to_vec(), &mirrored, RATE).unwrap();
     let map = HandMap::guess(&capture, robot.model(), None).unwrap();
-    let [own, other] = [&capture, &other].map(|capture| HandRetargeting::new(&robot, &map, capture).unwrap().per_frame().unwrap());
+    let [own, other] = [&capture, &other].map(|capture| {
+        HandRetargeting::new(&robot, &map, capture)
+            .unwrap()
+            .per_frame()
+            .unwrap()
+    });
     for (a, b) in own.q.iter().zip(&other.q) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
@@ -137,7 +168,11 @@ fn touching_fingertips_touch_on_the_robot() {
     let numbers: Vec<f64> = numbers.collect();
     let pinching = Capture::new(capture.names().to_vec(), &numbers, RATE).unwrap();
     let map = HandMap::guess(&pinching, robot.model(), None).unwrap();
-    let report = HandRetargeting::new(&robot, &map, &pinching).unwrap().per_frame().unwrap().report;
+    let report = HandRetargeting::new(&robot, &map, &pinching)
+        .unwrap()
+        .per_frame()
+        .unwrap()
+        .report;
     assert!(report.pinch_distance < 0.03, "{} m", report.pinch_distance);
 }
 
@@ -148,8 +183,12 @@ fn incomplete_maps_are_rejected() {
     let map = HandMap::guess(&capture, robot.model(), None).unwrap();
     let mut without = map.clone();
     without.fingers.retain(|finger, _| finger.name() != "thumb");
-    HandRetargeting::new(&robot, &without, &capture).map(|_| ()).says("thumb");
+    HandRetargeting::new(&robot, &without, &capture)
+        .map(|_| ())
+        .says("thumb");
     let mut unknown = map;
     unknown.wrist = "elbow".to_owned();
-    HandRetargeting::new(&robot, &unknown, &capture).map(|_| ()).says("elbow");
+    HandRetargeting::new(&robot, &unknown, &capture)
+        .map(|_| ())
+        .says("elbow");
 }

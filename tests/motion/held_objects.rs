@@ -24,13 +24,24 @@ fn object(capture: &Capture, model_shape: Option<ObjectShape>) -> HeldObject {
     let length = length.fold(f64::INFINITY, f64::min);
     let poses = (0..capture.frames()).map(|frame| {
         let [left, right] = positions(frame);
-        let (centre, along) = ((left + right) * 0.5, (left - right) * (1.0 / (left - right).norm()));
+        let (centre, along) = (
+            (left + right) * 0.5,
+            (left - right) * (1.0 / (left - right).norm()),
+        );
         // Smallest rotation of y to the direction between the hands.
         let y = Vector3::UNITS[1];
         let (axis, w) = (y.cross(along), 1.0 + y.dot(along));
         let norm = (axis.dot(axis) + w * w).sqrt();
         let [x, y, z] = centre.to_array();
-        [x, y, z, w / norm, axis.x / norm, axis.y / norm, axis.z / norm]
+        [
+            x,
+            y,
+            z,
+            w / norm,
+            axis.x / norm,
+            axis.y / norm,
+            axis.z / norm,
+        ]
     });
     HeldObject {
         shape: ObjectShape::Box([0.1 * length, 0.98 * length, 0.1 * length]),
@@ -47,7 +58,12 @@ fn hands_keep_their_places_on_the_object() {
     let map = BodyMap::guess(&capture, model).unwrap().map;
     let options = RetargetOptions::default().with_up(UpAxis::Y);
     let plain = Retargeting::new(&robot, &map, &capture, options).unwrap();
-    let hands = ["LeftHand", "RightHand"].map(|joint| map.drives.iter().find(|drive| drive.joint == joint).unwrap());
+    let hands = ["LeftHand", "RightHand"].map(|joint| {
+        map.drives
+            .iter()
+            .find(|drive| drive.joint == joint)
+            .unwrap()
+    });
     let mut kinematics = ForwardKinematics::new(model);
     let width = 0.12;
     let held = object(&capture, Some(ObjectShape::Box([0.03, width, 0.03])));

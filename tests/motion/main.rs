@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
+mod characters;
 mod clip_ik;
 mod clip_minima;
 mod clip_reaches;

@@ -27,7 +27,10 @@ fn limbs_point_as_the_subject_s() {
     let map = BodyMap::guess(&capture, robot.model()).unwrap().map;
     let options = RetargetOptions::default().with_up(UpAxis::Y);
     let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
-    for found in [retargeting.per_frame().unwrap(), retargeting.whole().unwrap()] {
+    for found in [
+        retargeting.per_frame().unwrap(),
+        retargeting.whole().unwrap(),
+    ] {
         for limb in LIMBS {
             let angle = mean_angle(&robot, &map, &capture, &found, limb);
             assert!(angle < MAX_MEAN_ANGLE, "{limb:?}: {angle} rad");
@@ -47,7 +50,12 @@ fn mean_angle(
 ) -> f64 {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
-    let drives = limb.map(|joint| map.drives.iter().find(|drive| drive.joint == joint).unwrap());
+    let drives = limb.map(|joint| {
+        map.drives
+            .iter()
+            .find(|drive| drive.joint == joint)
+            .unwrap()
+    });
     let joints = limb.map(|joint| capture.joint(joint).unwrap());
     let angles = found.rows().enumerate().map(|(frame, q)| {
         let placed = kinematics.place(q).unwrap();

@@ -23,7 +23,10 @@ fn positions(robot: &Robot) -> Vec<(String, Vector3<f64>)> {
     let drives = guess.map.drives.iter();
     let positions = drives.map(|drive| {
         let frame = model.frame(&drive.frame).unwrap();
-        (drive.joint.clone(), placed[frame.index()].apply(drive.offset))
+        (
+            drive.joint.clone(),
+            placed[frame.index()].apply(drive.offset),
+        )
     });
     positions.collect()
 }
@@ -35,7 +38,11 @@ fn nao(text: &str) -> Robot {
 
 /// Each link and joint gets a number as its name.
 fn without_names(text: &str) -> String {
-    let mut names: Vec<&str> = text.split("name=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let mut names: Vec<&str> = text
+        .split("name=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
     names.sort_unstable();
     names.dedup();
     let number = |name: &str| names.iter().position(|other| *other == name);
@@ -67,11 +74,22 @@ fn parts_are_at_the_joints_of_the_nao() {
     // Lengths of Aldebaran's documentation: thigh 100 mm, tibia 102.9 mm, hip offset 50 mm.
     for side in ["Left", "Right"] {
         let [hip, knee, ankle] = ["UpLeg", "Leg", "Foot"].map(|part| at(&format!("{side}{part}")));
-        assert!(((hip - knee).norm() - 0.1).abs() < 1e-3, "{side}: {:?}", hip - knee);
-        assert!(((knee - ankle).norm() - 0.1029).abs() < 1e-3, "{side}: {:?}", knee - ankle);
+        assert!(
+            ((hip - knee).norm() - 0.1).abs() < 1e-3,
+            "{side}: {:?}",
+            hip - knee
+        );
+        assert!(
+            ((knee - ankle).norm() - 0.1029).abs() < 1e-3,
+            "{side}: {:?}",
+            knee - ankle
+        );
     }
     let hips = at("LeftUpLeg") - at("RightUpLeg");
-    assert!((hips - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-3, "{hips:?}");
+    assert!(
+        (hips - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-3,
+        "{hips:?}"
+    );
     let toe = at("LeftToeBase") - at("LeftFoot");
     assert!(toe.x > 0.03 && toe.y.abs() < 1e-3, "{toe:?}");
 }

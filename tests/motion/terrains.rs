@@ -16,12 +16,16 @@ fn patch(height: f64, slope: f64) -> TerrainPatch {
     }
 }
 
-fn retargeted(terrain: Option<Terrain>) -> kinopt::motion::Trajectory<kinopt::motion::retarget::RetargetReport> {
+fn retargeted(
+    terrain: Option<Terrain>,
+) -> kinopt::motion::Trajectory<kinopt::motion::retarget::RetargetReport> {
     let robot = floating_nao();
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     let map = BodyMap::guess(&capture, robot.model()).unwrap().map;
-    let options = RetargetOptions::default().with_up(UpAxis::Y).with_terrain(terrain);
+    let options = RetargetOptions::default()
+        .with_up(UpAxis::Y)
+        .with_terrain(terrain);
     let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
     retargeting.per_frame().unwrap()
 }
@@ -29,7 +33,10 @@ fn retargeted(terrain: Option<Terrain>) -> kinopt::motion::Trajectory<kinopt::mo
 #[test]
 fn raised_ground_raises_the_whole_motion() {
     let height = 0.3;
-    let (level, raised) = (retargeted(None), retargeted(Some(Terrain::new(vec![patch(height, 0.0)]).unwrap())));
+    let (level, raised) = (
+        retargeted(None),
+        retargeted(Some(Terrain::new(vec![patch(height, 0.0)]).unwrap())),
+    );
     for (level, raised) in level.rows().zip(raised.rows()) {
         for (k, (a, b)) in level.iter().zip(raised).enumerate() {
             let expected = if k == 2 { a + height } else { *a };
@@ -43,7 +50,11 @@ fn feet_tilt_with_a_slope() {
     let slope: f64 = 0.15;
     let found = retargeted(Some(Terrain::new(vec![patch(0.0, slope)]).unwrap()));
     assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
-    assert!(found.report.ground_penetration < 3e-3, "{} m", found.report.ground_penetration);
+    assert!(
+        found.report.ground_penetration < 3e-3,
+        "{} m",
+        found.report.ground_penetration
+    );
     let robot = floating_nao();
     let model = robot.model();
     let feet = ["left_foot", "right_foot"].map(|foot| model.frame(foot).unwrap());
@@ -60,8 +71,18 @@ fn feet_tilt_with_a_slope() {
 
 #[test]
 fn highest_patch_counts_and_outside_is_level() {
-    let step = TerrainPatch { centre: [1.0, 0.0, 0.2], size: [1.0, 2.0], heading: 0.0, slope: 0.0 };
-    let ramp = TerrainPatch { centre: [0.0, 3.0, 0.5], size: [2.0, 2.0], heading: std::f64::consts::FRAC_PI_2, slope: 0.25 };
+    let step = TerrainPatch {
+        centre: [1.0, 0.0, 0.2],
+        size: [1.0, 2.0],
+        heading: 0.0,
+        slope: 0.0,
+    };
+    let ramp = TerrainPatch {
+        centre: [0.0, 3.0, 0.5],
+        size: [2.0, 2.0],
+        heading: std::f64::consts::FRAC_PI_2,
+        slope: 0.25,
+    };
     let terrain = Terrain::new(vec![step, ramp]).unwrap();
     assert_eq!(terrain.height(1.2, 0.5), 0.2);
     assert_eq!(terrain.height(3.0, 0.0), 0.0);

@@ -44,7 +44,9 @@ pub(super) fn run(arguments: &Arguments, out: &Path, json: bool) -> Outcome<()> 
     let target = Target::read(&arguments.target, arguments.target_up, &problem.model)?;
     movement_file::check(format, &target)?;
     let file = arguments.source.display();
-    let read = arguments.source_options.read(&arguments.source, None, None)?;
+    let read = arguments
+        .source_options
+        .read(&arguments.source, None, None)?;
     let map = match arguments.map.file() {
         Some(path) => {
             let map = HandMap::from_json(&file_access::text(path)?);

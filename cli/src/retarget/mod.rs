@@ -211,7 +211,12 @@ impl<'a> Job<'a> {
         query.map = self.map.given();
         query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
         query.whole = self.arguments.whole;
-        query.more.extend(self.surroundings.object.as_ref().map(|object| format!("{object:?}")));
+        query.more.extend(
+            self.surroundings
+                .object
+                .as_ref()
+                .map(|object| format!("{object:?}")),
+        );
         if self.format == TrajectoryFormat::Csv && self.arguments.header {
             query.more.push("header".to_owned());
         }
@@ -231,7 +236,12 @@ impl<'a> Job<'a> {
         let mut map = guess.map;
         // The option has priority over the map.
         map.up = Some(read.up);
-        let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
+        let fitted = match &self.target.figure {
+            Some(figure) => {
+                Retargeting::onto_character(figure, &map, &read.capture, self.options())
+            }
+            None => Retargeting::new(robot, &map, &read.capture, self.options()),
+        };
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
         self.target.report_up_axis(fitted.model_stands_along());
         let stride = fitted.stride();

@@ -4,7 +4,11 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
-use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
+use kinopt::motion::retarget::{
+    BodyMap, Capture, JointRotations, KnownSkeleton, RetargetError, UpAxis,
+};
+use kinopt::skeleton::Bone;
+use kinopt::spatial::{Matrix3, Quaternion};
 use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use kinopt_bindings::retarget_folder::FolderSettings;
 
@@ -178,16 +182,38 @@ fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
     let frames = ((end - start) * rate + 0.5).floor() as usize + 1;
     let mut q = vec![0.0; skeleton.angles()];
     let mut numbers = Vec::with_capacity(3 * frames * skeleton.bones().len());
+    let rest = skeleton
+        .bones()
+        .iter()
+        .map(|bone| bone.model_from_rest.rotation);
+    let mut rotations = JointRotations {
+        parents: skeleton
+            .bones()
+            .iter()
+            .map(|bone| bone.parent.map(|parent| parent.index()))
+            .collect(),
+        rest_positions: skeleton.bones().iter().map(Bone::rest_tail).collect(),
+        rest_rotations: rest.map(|rotation| quaternion(&rotation)).collect(),
+        rotations: Vec::with_capacity(frames * skeleton.bones().len()),
+    };
     for frame in 0..frames {
         clip.sample(start + frame as f64 / rate, Playback::Hold, &mut q)?;
         let placed = skeleton.pose(&q)?;
-        for bone in skeleton.bone_ids() {
-            numbers.extend(placed.tail(bone)?.to_array());
+        for placement in &placed.model_from_bone {
+            numbers.extend(placement.translation.to_array());
+            rotations.rotations.push(quaternion(&placement.rotation));
         }
     }
     let names = skeleton.bones().iter().map(|bone| bone.name.clone());
     let capture = Capture::new(names.collect(), &numbers, rate);
+    let capture = capture.and_then(|capture| capture.with_rotations(rotations));
     capture.map_err(|error| failure!("{}: {error}", loaded.file))
+}
+
+/// Unit quaternion w, x, y, z of a rotation matrix.
+fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
+    let q = Quaternion::from_matrix(rotation);
+    [q.w, q.v.x, q.v.y, q.v.z]
 }
 
 /// Returns `true` if a source is an array, which needs joint names.

@@ -61,11 +61,7 @@ pub(crate) struct LiveHand {
 #[pymethods]
 impl LiveHand {
     #[new]
-    fn new(
-        capture: &Bound<'_, Capture>,
-        target: &Bound<'_, PyAny>,
-        map: &str,
-    ) -> PyResult<Self> {
+    fn new(capture: &Bound<'_, Capture>, target: &Bound<'_, PyAny>, map: &str) -> PyResult<Self> {
         let robot = target_of(target)?;
         let map = HandMap::from_json(map).map_err(raised)?;
         let fitted = HandRetargeting::new(&robot, &map, &capture.get().inner);
@@ -90,7 +86,9 @@ impl LiveHand {
         positions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = arrays::rows(positions, "positions", 3)?;
-        let points = rows.chunks_exact(3).map(|at| Vector3::new(at[0], at[1], at[2]));
+        let points = rows
+            .chunks_exact(3)
+            .map(|at| Vector3::new(at[0], at[1], at[2]));
         let points: Vec<Vector3<f64>> = points.collect();
         let q = py.detach(|| {
             let mut follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);

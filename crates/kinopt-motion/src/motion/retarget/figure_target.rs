@@ -38,6 +38,8 @@ const BASE_LEN: usize = 7;
 #[derive(Clone, Debug)]
 pub struct FigureTarget {
     robot: Robot,
+    /// Skeleton with z up.
+    upright: Skeleton,
     angles: EulerPoseMap,
     up: UpAxis,
     names: Vec<String>,
@@ -68,6 +70,7 @@ impl FigureTarget {
         };
         Ok(Self {
             robot: robot.with_base_joint(BaseJoint::FREE)?,
+            upright: placed,
             angles: EulerPoseMap::new(skeleton),
             up,
             names: skeleton
@@ -97,6 +100,11 @@ impl FigureTarget {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// Skeleton with z up.
+    pub(super) fn upright(&self) -> &Skeleton {
+        &self.upright
     }
 
     /// Upward axis of the file.

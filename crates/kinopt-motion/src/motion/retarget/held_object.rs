@@ -156,7 +156,7 @@ impl Retargeting<'_> {
         capture: &Capture,
     ) -> Result<Self, RetargetError> {
         let placements = object.placements(self.frames())?;
-        let (parts, _) = parts_of_capture(capture);
+        let parts = parts_of_capture(capture).joints;
         let hands = [BodyPart::LeftHand, BodyPart::RightHand]
             .into_iter()
             .filter_map(|part| {

@@ -1,11 +1,14 @@
 //! Target positions of a model from captured joint positions.
 
+use glam::DQuat;
+
 use super::limb::DrivenLimb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::orientations::Orientations;
 use super::pelvis_heading::HipLine;
 use super::sole::{Sole, ends_on_ground, soles};
+use super::subject_pose::SubjectPose;
 use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::motion::contact::mean_position;
@@ -161,13 +164,18 @@ impl Limbs {
     ///
     /// The root and feet are scaled by the leg ratio in the world. Other limbs follow their parents with scaled
     /// lengths.
-    pub(super) fn write_targets(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
+    pub(super) fn write_targets(
+        &self,
+        captured: &[Vector3<f64>],
+        rotations: Option<&[DQuat]>,
+        to: &mut Vec<Vector3<f64>>,
+    ) {
         to.clear();
         let upright_position = |limb: &DrivenLimb| self.up.upright(captured[limb.joint]);
         for (k, limb) in self.all.iter().enumerate() {
             let position = upright_position(limb);
             if let (Some(foot), Some(ankle)) = (self.orientations.foot_of_toe(k), limb.parent) {
-                let axes = foot.axes(|joint| self.up.upright(captured[joint]));
+                let axes = foot.axes(&SubjectPose::new(self.up, captured, rotations));
                 to.push(to[ankle] + foot.toe_offset(&axes));
                 continue;
             }
@@ -211,9 +219,14 @@ impl Limbs {
     }
 
     /// Writes the directions of the driven axes of feet and hands.
-    pub(super) fn write_directions(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
-        let upright = |joint: usize| self.up.upright(captured[joint]);
-        self.orientations.write_directions(upright, to);
+    pub(super) fn write_directions(
+        &self,
+        captured: &[Vector3<f64>],
+        rotations: Option<&[DQuat]>,
+        to: &mut Vec<Vector3<f64>>,
+    ) {
+        let pose = SubjectPose::new(self.up, captured, rotations);
+        self.orientations.write_directions(&pose, to);
     }
 
     /// Converts a position to the model's world.

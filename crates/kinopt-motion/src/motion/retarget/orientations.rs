@@ -10,9 +10,10 @@ use super::limb::DrivenLimb;
 use super::limb_lengths::quantile;
 use super::limb_tree::joints_above;
 use super::map_guess::parts_of_capture;
+use super::subject_pose::SubjectPose;
 use super::{BodyPart, UpAxis};
 use kinopt_kinematics::model::{FrameId, Model};
-use kinopt_kinematics::spatial::{Placement, Vector3};
+use kinopt_kinematics::spatial::{Matrix3, Placement, Polar, Vector3};
 
 /// Weights of the heading of a foot and of the axes of a hand, in metres of position per radian.
 const FOOT_WEIGHT: f64 = 0.1;
@@ -42,6 +43,8 @@ pub(super) struct FootAxes {
     /// Sine and cosine of the slope from ankle to toe of a flat foot.
     slope: (f64, f64),
     hips: Option<[usize; 2]>,
+    /// Rotation from the axes of the foot to the captured joint, if the source has rotations.
+    bone: Option<Matrix3<f64>>,
     /// Indices of the limbs of ankle and toe; `None` for a toe that is not driven.
     limbs: (usize, Option<usize>),
     /// Direction of the model's foot in its stance.
@@ -56,6 +59,8 @@ pub(super) struct FootAxes {
 #[derive(Clone, Debug, PartialEq)]
 struct HandAxes {
     wrist: usize,
+    /// Rotation from the axes of the hand to the captured joint, if the source has rotations.
+    bone: Option<Matrix3<f64>>,
     /// Base of the middle finger, and bases of index and little finger.
     fingers: Option<[usize; 3]>,
     elbow: usize,
@@ -78,7 +83,7 @@ impl Orientations {
         up: UpAxis,
         stance: &[Placement<f64>],
     ) -> Self {
-        let (parts, _) = parts_of_capture(capture);
+        let parts = parts_of_capture(capture).joints;
         let positions: Vec<_> = all
             .iter()
             .map(|limb| stance[limb.frame.index()].apply(limb.offset))
@@ -102,11 +107,12 @@ impl Orientations {
             let left = Vector3::UNITS[2].cross(forward);
             let offset = offset.unwrap_or(Vector3::zero());
             let frame = toe_limb.map_or(all[ankle_limb].frame, |toe| all[toe].frame);
-            Some(FootAxes {
+            let mut axes = FootAxes {
                 ankle,
                 toe,
                 slope: flat_slope(capture, up, ankle, toe),
                 hips: hips(&parts),
+                bone: None,
                 limbs: (ankle_limb, toe_limb),
                 forward,
                 toe_offset: Vector3::new(offset.dot(forward), offset.dot(left), offset.z),
@@ -115,38 +121,61 @@ impl Orientations {
                     axis: stance[frame.index()].rotation.transpose_mul(axis),
                     weight: FOOT_WEIGHT,
                 }),
-            })
+            };
+            axes.bone = axes.bone_offset(capture, up);
+            Some(axes)
         });
         let feet = feet.collect();
         let hands = [
-            ([BodyPart::LeftElbow, BodyPart::LeftHand], ["left", "right"]),
-            ([BodyPart::RightElbow, BodyPart::RightHand], ["right", "left"]),
+            (
+                [
+                    BodyPart::LeftShoulder,
+                    BodyPart::LeftElbow,
+                    BodyPart::LeftHand,
+                ],
+                ["left", "right"],
+            ),
+            (
+                [
+                    BodyPart::RightShoulder,
+                    BodyPart::RightElbow,
+                    BodyPart::RightHand,
+                ],
+                ["right", "left"],
+            ),
         ];
-        let hands = hands.iter().filter_map(|([elbow, wrist], [side, other_side])| {
-            let (elbow, wrist) = (*parts.get(elbow)?, *parts.get(wrist)?);
-            let limb = all.iter().position(|limb| limb.joint == wrist)?;
-            let parent = all[limb]
-                .parent
-                .filter(|&parent| all[parent].joint == elbow)?;
-            let along = direction(positions[limb] - positions[parent])?;
-            let thumb = thumb_direction(along, forward?)?;
-            let frame = all[limb].frame;
-            let rotation = stance[frame.index()].rotation;
-            let wrist_joints = wrist_joints(model, all[parent].frame, frame);
-            let driven = |axis: Vector3<f64>| DrivenAxis {
-                frame,
-                axis: rotation.transpose_mul(axis),
-                weight: HAND_WEIGHT,
-            };
-            let fingers = finger_bases(capture.names(), side, other_side);
-            Some(HandAxes {
-                wrist,
-                elbow,
-                along: (wrist_joints >= 2).then(|| driven(along)),
-                thumb: (wrist_joints >= 1 && fingers.is_some()).then(|| driven(thumb)),
-                fingers,
-            })
-        });
+        let hands = hands
+            .iter()
+            .filter_map(|([shoulder, elbow, wrist], [side, other_side])| {
+                let (elbow, wrist) = (*parts.get(elbow)?, *parts.get(wrist)?);
+                let limb = all.iter().position(|limb| limb.joint == wrist)?;
+                let parent = all[limb]
+                    .parent
+                    .filter(|&parent| all[parent].joint == elbow)?;
+                let along = direction(positions[limb] - positions[parent])?;
+                let thumb = thumb_direction(along, forward?)?;
+                let frame = all[limb].frame;
+                let rotation = stance[frame.index()].rotation;
+                let wrist_joints = wrist_joints(model, all[parent].frame, frame);
+                let driven = |axis: Vector3<f64>| DrivenAxis {
+                    frame,
+                    axis: rotation.transpose_mul(axis),
+                    weight: HAND_WEIGHT,
+                };
+                let fingers = finger_bases(capture.names(), side, other_side);
+                let shoulder = parts.get(shoulder).filter(|_| fingers.is_none());
+                let bone = shoulder
+                    .and_then(|&shoulder| hand_offset(capture, up, [shoulder, elbow, wrist]));
+                let has_thumb = fingers.is_some() || bone.is_some();
+                Some(HandAxes {
+                    wrist,
+                    bone,
+                    elbow,
+                    along: (wrist_joints >= 2).then(|| driven(along)),
+                    thumb: (wrist_joints >= 1 && has_thumb).then(|| driven(thumb)),
+                    fingers,
+                })
+            });
         Self {
             feet,
             hands: hands.collect(),
@@ -179,39 +208,59 @@ impl Orientations {
         feet.chain(hands)
     }
 
-    /// Appends the subject's direction of each driven axis. `at` returns the upright position of a joint.
-    pub(super) fn write_directions(
-        &self,
-        at: impl Fn(usize) -> Vector3<f64>,
-        to: &mut Vec<Vector3<f64>>,
-    ) {
+    /// Appends the subject's direction of each driven axis.
+    pub(super) fn write_directions(&self, pose: &SubjectPose<'_>, to: &mut Vec<Vector3<f64>>) {
         for foot in &self.feet {
-            let [forward, left, _] = foot.axes(&at);
+            let [forward, left, _] = foot.axes(pose);
             to.extend([forward, left]);
         }
         for hand in &self.hands {
-            let wrist = at(hand.wrist);
-            let along = match hand.fingers {
-                Some([middle, _, _]) => at(middle) - wrist,
-                None => wrist - at(hand.elbow),
-            };
-            let along = direction(along).unwrap_or(Vector3::UNITS[0]);
-            if hand.along.is_some() {
-                to.push(along);
-            }
-            if let (Some(_), Some([_, index, little])) = (&hand.thumb, hand.fingers) {
-                let across = at(index) - at(little);
-                let across = across - along * across.dot(along);
-                to.push(direction(across).unwrap_or(Vector3::UNITS[2]));
-            }
+            let [along, thumb] = hand.axes(pose);
+            to.extend(hand.along.as_ref().map(|_| along));
+            to.extend(hand.thumb.as_ref().map(|_| thumb));
         }
+    }
+}
+
+impl HandAxes {
+    /// Returns the subject's directions along the fingers and towards the thumb.
+    fn axes(&self, pose: &SubjectPose<'_>) -> [Vector3<f64>; 2] {
+        let at = |joint: usize| pose.position(joint);
+        if let (Some(bone), Some(rotation)) = (self.bone, pose.rotation(self.wrist)) {
+            let axes = rotation * bone;
+            return [axes.x, axes.z];
+        }
+        let along = match self.fingers {
+            Some([middle, _, _]) => at(middle) - at(self.wrist),
+            None => at(self.wrist) - at(self.elbow),
+        };
+        let along = direction(along).unwrap_or(Vector3::UNITS[0]);
+        let across = self
+            .fingers
+            .map_or(Vector3::UNITS[2], |[_, index, little]| {
+                at(index) - at(little)
+            });
+        let across = across - along * across.dot(along);
+        [along, direction(across).unwrap_or(Vector3::UNITS[2])]
     }
 }
 
 impl FootAxes {
     /// Returns the subject's axes: forward, left and upward on a flat foot.
-    pub(super) fn axes(&self, at: impl Fn(usize) -> Vector3<f64>) -> [Vector3<f64>; 3] {
+    pub(super) fn axes(&self, pose: &SubjectPose<'_>) -> [Vector3<f64>; 3] {
+        match (self.bone, pose.rotation(self.ankle)) {
+            (Some(bone), Some(rotation)) => {
+                let axes = rotation * bone;
+                [axes.x, axes.y, axes.z]
+            }
+            _ => self.axes_of_positions(pose),
+        }
+    }
+
+    /// Returns the axes that ankle and toe determine: the foot does not roll.
+    fn axes_of_positions(&self, pose: &SubjectPose<'_>) -> [Vector3<f64>; 3] {
         let [_, y, z] = Vector3::UNITS;
+        let at = |joint: usize| pose.position(joint);
         let along = direction(at(self.toe) - at(self.ankle)).unwrap_or(Vector3::UNITS[0]);
         let hips = self.hips.map_or(y, |[left, right]| at(left) - at(right));
         let left = z.cross(along) + horizontal(hips) * LATERAL_REGULARISATION;
@@ -219,6 +268,20 @@ impl FootAxes {
         let (sine, cosine) = self.slope;
         let forward = direction(along * cosine + along.cross(left) * sine).unwrap_or(along);
         [forward, left, forward.cross(left)]
+    }
+
+    /// Returns the rotation from the axes of the foot to those of its captured joint: the mean over frames at rest, in
+    /// which the foot is flat.
+    fn bone_offset(&self, capture: &Capture, up: UpAxis) -> Option<Matrix3<f64>> {
+        let z = Vector3::UNITS[2];
+        let frames = frames_at_rest(capture, [self.ankle, self.toe]).into_iter();
+        let offsets = frames.filter_map(|frame| {
+            let pose = SubjectPose::of_frame(capture, frame, up)?;
+            let forward = direction(horizontal(self.axes_of_positions(&pose)[0]))?;
+            let axes = Matrix3::from_columns(forward, z.cross(forward), z);
+            Some(pose.rotation(self.ankle)?.transpose() * axes)
+        });
+        mean_rotation(offsets)
     }
 
     /// Returns the vector from the model's ankle to its toe of a flat foot that points in a horizontal direction, metres.
@@ -316,25 +379,61 @@ fn finger_bases(names: &[String], side: &str, other_side: &str) -> Option<[usize
     ])
 }
 
+/// Returns the rotation from the axes of a hand to those of its captured joint. In the mean over all frames, a hand is
+/// along the forearm, with the thumb on the side to which the elbow bends.
+fn hand_offset(
+    capture: &Capture,
+    up: UpAxis,
+    [shoulder, elbow, wrist]: [usize; 3],
+) -> Option<Matrix3<f64>> {
+    let offsets = (0..capture.frames()).filter_map(|frame| {
+        let pose = SubjectPose::of_frame(capture, frame, up)?;
+        let [shoulder, elbow, hand] = [shoulder, elbow, wrist].map(|joint| pose.position(joint));
+        let along = direction(hand - elbow)?;
+        let upper = direction(shoulder - elbow)?;
+        // Short for a straight arm, which determines no side.
+        let thumb = upper - along * upper.dot(along);
+        let side = direction(thumb)?;
+        let columns = [along, side.cross(along), side].map(|axis| axis * thumb.norm());
+        let axes = Matrix3::from_columns(columns[0], columns[1], columns[2]);
+        Some(pose.rotation(wrist)?.transpose() * axes)
+    });
+    mean_rotation(offsets)
+}
+
+/// Returns the rotation nearest to the sum of some matrices, or `None` without any.
+fn mean_rotation(matrices: impl Iterator<Item = Matrix3<f64>>) -> Option<Matrix3<f64>> {
+    let mut sum = nalgebra::Matrix3::zeros();
+    for Matrix3 { x, y, z } in matrices {
+        let columns = [x, y, z].map(|column| nalgebra::Vector3::from(column.to_array()));
+        sum += nalgebra::Matrix3::from_columns(&columns);
+    }
+    let rotation = Polar::new(&sum).filter(|_| sum.amax() > 0.0)?.rotation;
+    let column = |k: usize| Vector3::new(rotation[(0, k)], rotation[(1, k)], rotation[(2, k)]);
+    Some(Matrix3::from_columns(column(0), column(1), column(2)))
+}
+
+/// Returns the capture frames in which two joints are slowest.
+fn frames_at_rest(capture: &Capture, joints: [usize; 2]) -> Vec<usize> {
+    let moved = |frame: usize| {
+        let (now, last) = (capture.frame(frame)?, capture.frame(frame - 1)?);
+        let moved = joints.map(|joint| (now[joint] - last[joint]).norm());
+        Some((moved[0].max(moved[1]), frame))
+    };
+    let mut frames: Vec<(f64, usize)> = (1..capture.frames()).filter_map(moved).collect();
+    frames.sort_by(|a, b| a.0.total_cmp(&b.0));
+    frames.truncate((REST_SHARE * frames.len() as f64).ceil() as usize);
+    frames.into_iter().map(|(_, frame)| frame).collect()
+}
+
 /// Returns sine and cosine of the slope from ankle to toe while the foot is flat: the median over frames at rest.
 fn flat_slope(capture: &Capture, up: UpAxis, ankle: usize, toe: usize) -> (f64, f64) {
-    let upright = |frame: usize| {
-        let joints = capture.frame(frame)?;
-        Some([ankle, toe].map(|joint| up.upright(joints[joint])))
-    };
-    let frames = (1..capture.frames()).filter_map(|frame| {
-        let [[ankle, toe], [last_ankle, last_toe]] = [upright(frame)?, upright(frame - 1)?];
-        let moved = (ankle - last_ankle).norm().max((toe - last_toe).norm());
-        let along = direction(toe - ankle)?;
-        Some((moved, -along.z))
+    let frames = frames_at_rest(capture, [ankle, toe]).into_iter();
+    let sines = frames.filter_map(|frame| {
+        let pose = SubjectPose::of_frame(capture, frame, up)?;
+        Some(-direction(pose.position(toe) - pose.position(ankle))?.z)
     });
-    let mut frames: Vec<(f64, f64)> = frames.collect();
-    frames.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let at_rest = (REST_SHARE * frames.len() as f64).ceil() as usize;
-    let mut sines: Vec<f64> = frames[..at_rest.min(frames.len())]
-        .iter()
-        .map(|frame| frame.1)
-        .collect();
+    let mut sines: Vec<f64> = sines.collect();
     let sine = quantile(&mut sines, 0.5).clamp(-MAX_SLOPE, MAX_SLOPE);
     (sine, (1.0 - sine * sine).sqrt())
 }

@@ -216,7 +216,7 @@ fn is_ignored(word: &str) -> bool {
 /// Splits a name into lower-case words at changes of case and at separators.
 ///
 /// Numbers between separators are dropped. Numbers at the end of a word are kept, as in `Spine1`.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let after = name.rsplit([':', '|']).next().unwrap_or(name);
     let after = match after.strip_prefix("mixamorig") {
         Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '_'),

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::character::CharacterMotion;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::{LimbContact, plant_limbs};
 use super::follower::FrameTargets;
@@ -157,6 +158,8 @@ pub struct Retargeting<'r> {
     /// Targets in the robot's unit, by capture frame.
     pub(super) model_targets: Arc<[Vector3<f64>]>,
     pub(super) limb_contacts: Vec<LimbContact>,
+    /// Transfer of rotations to a character.
+    pub(super) character: Option<Arc<CharacterMotion>>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -197,10 +200,15 @@ impl<'r> Retargeting<'r> {
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
         let mut positions = Vec::new();
         let mut directions = Vec::new();
-        for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
-            limbs.write_targets(captured, &mut positions);
+        let joints = capture.names().len();
+        for frame in 0..capture.frames() {
+            let captured = capture.frame(frame).unwrap_or_default();
+            let rotations = capture
+                .posed()
+                .and_then(|posed| posed.rotations.get(frame * joints..(frame + 1) * joints));
+            limbs.write_targets(captured, rotations, &mut positions);
             targets.extend_from_slice(&positions);
-            limbs.write_directions(captured, &mut directions);
+            limbs.write_directions(captured, rotations, &mut directions);
         }
         let terrain = options.terrain.as_ref();
         let (limb_contacts, grounds) =
@@ -239,6 +247,7 @@ impl<'r> Retargeting<'r> {
             joints: capture.names().len(),
             targets,
             limb_contacts,
+            character: None,
             obstacles: None,
             cancelled: None,
         })
@@ -351,7 +360,7 @@ impl<'r> Retargeting<'r> {
     }
 
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
-    fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
+    pub(super) fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         for (limb, contact_levels) in contact_levels.iter_mut().enumerate() {
             let levels = self.neighbouring_spans(limb, frame).map(|span| {
@@ -389,6 +398,18 @@ impl<'r> Retargeting<'r> {
         contacts.map(|contact| &contact.span)
     }
 
+    /// Transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character(&self) -> Option<&CharacterMotion> {
+        let character = self.character.as_deref();
+        character.filter(|_| self.obstacles.is_none())
+    }
+
+    /// Shared transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character_motion(&self) -> Option<Arc<CharacterMotion>> {
+        self.rotated_character()?;
+        self.character.clone()
+    }
+
     /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
     ///
     /// # Errors
@@ -405,6 +426,10 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.per_frame(self.cancelled.as_deref())?;
+            return self.measure(q);
+        }
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }

@@ -25,7 +25,7 @@ impl Capture {
     /// ```
     #[must_use]
     pub fn up_axis(&self) -> Option<UpAxis> {
-        let (joints, _) = parts_of_capture(self);
+        let joints = parts_of_capture(self).joints;
         let moving = upright_axis(self, &joints);
         let resting = self.rest().and_then(|rest| {
             let legs = leg_joints(&joints)?;

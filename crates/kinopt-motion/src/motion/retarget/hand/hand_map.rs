@@ -87,15 +87,11 @@ impl HandMap {
                 .iter()
                 .find(|name| bare(name).contains("tip"))
                 .or(captured.last())?;
-            let own = of_finger(&frames, finger);
-            let frame = own
-                .iter()
-                .rfind(|name| bare(name).contains("tip"))
-                .or(own.last())?;
+            let frame = tip_of(&frames, finger)?;
             let drive = FingerDrive {
                 base: (*base).clone(),
                 tip: (*tip).clone(),
-                frame: (*frame).clone(),
+                frame: frame.clone(),
             };
             (base != tip).then_some((finger, drive))
         });
@@ -144,34 +140,42 @@ fn bare(name: &str) -> String {
         .collect()
 }
 
+/// Returns the names with a word of a finger, in their order. Names with abbreviations begin with them.
+fn of_words<'n>(names: &[&'n String], finger: Finger, is_abbreviated: bool) -> Vec<&'n String> {
+    let words = finger.words().iter();
+    let words: Vec<&str> = words
+        .copied()
+        .filter(|word| (word.len() == 2) == is_abbreviated)
+        .collect();
+    let names = names.iter().copied().filter(|name| {
+        let bare = bare(name);
+        words.iter().any(|word| match is_abbreviated {
+            true => bare.starts_with(word),
+            false => bare.contains(word),
+        })
+    });
+    names.collect()
+}
+
 /// Returns the names of a finger, in their order.
 fn of_finger<'n>(names: &[&'n String], finger: Finger) -> Vec<&'n String> {
-    let [long, short] = [2, 3].map(|length| {
-        let is_of_length = move |word: &&&str| {
-            if length == 2 {
-                word.len() > 2
-            } else {
-                word.len() == 2
-            }
-        };
-        finger
-            .words()
-            .iter()
-            .filter(is_of_length)
-            .copied()
-            .collect::<Vec<_>>()
-    });
-    let by_word: Vec<&String> = names
-        .iter()
-        .copied()
-        .filter(|name| long.iter().any(|word| bare(name).contains(word)))
-        .collect();
+    let by_word = of_words(names, finger, false);
     match by_word.is_empty() {
-        true => names
-            .iter()
-            .copied()
-            .filter(|name| short.iter().any(|word| bare(name).starts_with(word)))
-            .collect(),
+        true => of_words(names, finger, true),
         false => by_word,
     }
+}
+
+/// Returns the name of a finger's tip, or else of its last link.
+fn tip_of<'n>(names: &[&'n String], finger: Finger) -> Option<&'n String> {
+    let [by_word, by_abbreviation] =
+        [false, true].map(|abbreviated| of_words(names, finger, abbreviated));
+    let tip = |names: &[&'n String]| {
+        names
+            .iter()
+            .rfind(|name| bare(name).contains("tip"))
+            .copied()
+    };
+    let tip = tip(&by_word).or_else(|| tip(&by_abbreviation));
+    tip.or_else(|| by_word.last().or(by_abbreviation.last()).copied())
 }
