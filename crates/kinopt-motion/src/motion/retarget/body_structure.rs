@@ -38,7 +38,7 @@ const MAX_NECK_JOINTS: usize = 4;
 
 /// Moving joint in the neutral configuration.
 #[derive(Clone, Debug)]
-struct Axis {
+struct MovingAxis {
     id: JointId,
     origin: Vector3<f64>,
     direction: Vector3<f64>,
@@ -51,10 +51,10 @@ struct Axis {
 
 /// Moving joints of a robot in the neutral configuration, without those of a free base.
 #[derive(Clone, Debug)]
-struct Tree<'m> {
+struct JointBranches<'m> {
     model: &'m Model,
     placed: Vec<Placement<f64>>,
-    axes: Vec<Axis>,
+    axes: Vec<MovingAxis>,
     /// Moving joint of each frame; `None` for the root link.
     carriers: Vec<Option<usize>>,
     height: f64,
@@ -64,7 +64,7 @@ struct Tree<'m> {
 ///
 /// The robot is upright along z in the neutral configuration.
 pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Drive>> {
-    let tree = Tree::of(model)?;
+    let tree = JointBranches::of(model)?;
     let pairs = tree.mirrored_pairs();
     let lowest = |pair: &[usize; 2]| tree.lowest(pair[0]).min(tree.lowest(pair[1]));
     let has = |pair: &&[usize; 2], joints| {
@@ -150,7 +150,7 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
 
 /// Joints and centres of a leg.
 #[derive(Clone, Debug)]
-struct Leg {
+struct LegChain {
     hip_joints: Vec<usize>,
     hip: Vector3<f64>,
     knee_joint: usize,
@@ -170,7 +170,7 @@ struct ArmChain {
     hand: Option<(usize, Vector3<f64>)>,
 }
 
-impl<'m> Tree<'m> {
+impl<'m> JointBranches<'m> {
     fn of(model: &'m Model) -> Option<Self> {
         let mut kinematics = ForwardKinematics::new(model);
         let placed = kinematics.place(&model.neutral()).ok()?.to_vec();
@@ -192,7 +192,7 @@ impl<'m> Tree<'m> {
             .frame_ids()
             .map(|frame| moving_joint(model, frame).and_then(index_of))
             .collect();
-        let mut axes: Vec<Axis> = Vec::with_capacity(ids.len());
+        let mut axes: Vec<MovingAxis> = Vec::with_capacity(ids.len());
         for &id in &ids {
             let joint = &model.joints()[id.index()];
             let frame =
@@ -203,7 +203,7 @@ impl<'m> Tree<'m> {
                 std::iter::successors(joint.parent, |id| model.joints()[id.index()].parent);
             let parent = above.find_map(index_of);
             let (lower, upper) = (joint.limits.lower.max(-10.0), joint.limits.upper.min(10.0));
-            axes.push(Axis {
+            axes.push(MovingAxis {
                 id,
                 origin: world_from_joint.translation,
                 direction: world_from_joint.rotation * joint.axis,
@@ -385,7 +385,7 @@ impl<'m> Tree<'m> {
         axis.origin + axis.direction * (middle - axis.origin).dot(axis.direction)
     }
 
-    fn leg(&self, root: usize, ground: f64) -> Option<Leg> {
+    fn leg(&self, root: usize, ground: f64) -> Option<LegChain> {
         let joints = self.chain(root, true);
         let hip_height = self.axes[root].origin.z - ground;
         let height = |joint: usize| (self.axes[joint].origin.z - ground) / hip_height;
@@ -417,7 +417,7 @@ impl<'m> Tree<'m> {
         // The hip's group ends where the thigh begins.
         let hip_joints = joints[..knee_index].to_vec();
         let (hip, ankle) = (self.centre(&hip_joints), self.centre(&ankle_joints));
-        Some(Leg {
+        Some(LegChain {
             hip,
             knee_joint: joints[knee_index],
             knee: self.on_axis_near(joints[knee_index], hip, ankle),
@@ -428,7 +428,7 @@ impl<'m> Tree<'m> {
     }
 
     /// Returns the horizontal direction in which the robot looks: opposite to that in which the knee moves the foot.
-    fn forward(&self, leg: &Leg) -> Option<Vector3<f64>> {
+    fn forward(&self, leg: &LegChain) -> Option<Vector3<f64>> {
         let knee = &self.axes[leg.knee_joint];
         let moved = knee.direction.cross(leg.ankle - leg.knee) * knee.middle.signum();
         let backward = Vector3::new(moved.x, moved.y, 0.0);
@@ -448,10 +448,16 @@ impl<'m> Tree<'m> {
         let last = *joints.last()?;
         let first = self.axes[root].origin;
         let tip = self.tip(&joints);
+        // A tool at the end of an arm is no part of the forearm, unless the elbow is the last joint.
+        let end = |k: usize| match joints[k] == last {
+            true => tip,
+            false => self.axes[last].origin,
+        };
         let score = |k: usize| {
             let axis = &self.axes[joints[k]];
-            let (upper, lower) = ((axis.origin - first).norm(), (tip - axis.origin).norm());
-            let along = (tip - axis.origin).dot(axis.direction).abs();
+            let forearm = end(k) - axis.origin;
+            let (upper, lower) = ((axis.origin - first).norm(), forearm.norm());
+            let along = forearm.dot(axis.direction).abs();
             (along < MAX_OFF_AXIS * lower).then(|| upper.min(lower))
         };
         let (elbow_index, _) = (1..joints.len())

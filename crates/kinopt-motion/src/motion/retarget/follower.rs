@@ -5,7 +5,7 @@ use super::collision_free_frames::CollisionFreeFrames;
 use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::FrameProblem;
-use super::on_terrain::SoleGround;
+use super::frame_targets::FrameTargets;
 use super::pelvis_heading::HipLine;
 use super::point_difference::PointDifference;
 use super::relative_limb;
@@ -40,34 +40,6 @@ pub(super) const GRASP_WEIGHT: f64 = 10.0;
 const POSTURE_WEIGHT: f64 = 0.02;
 /// Weight of the previous configuration, in metres of position per radian; prevents jitter of undetermined joints.
 const PREVIOUS_POSE_WEIGHT: f64 = 0.1;
-
-/// Targets of one sample, in the unit of the solved body.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FrameTargets<'a> {
-    /// Position of each driven point.
-    pub(super) positions: &'a [Vector3<f64>],
-    /// Directions of the driven axes of feet and hands, or empty.
-    pub(super) directions: &'a [Vector3<f64>],
-    /// Contact of each driven point, from 0 (free) to 1 (locked in place).
-    pub(super) contacts: &'a [f64],
-    /// Level at which each driven point holds an object, from 0 to 1, or empty.
-    pub(super) grasps: &'a [f64],
-    /// Terrain under each sole, or empty for level ground.
-    pub(super) grounds: &'a [SoleGround],
-}
-
-impl<'a> FrameTargets<'a> {
-    /// Targets without orientations, objects and terrain.
-    fn of_points(positions: &'a [Vector3<f64>], contacts: &'a [f64]) -> Self {
-        Self {
-            positions,
-            directions: &[],
-            contacts,
-            grasps: &[],
-            grounds: &[],
-        }
-    }
-}
 
 /// Online retargeter: follows target positions within the limits of position and velocity.
 ///

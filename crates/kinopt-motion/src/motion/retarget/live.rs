@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use glam::DQuat;
 
 use super::character::{CharacterFollower, SubjectFrame};
-use super::follower::FrameTargets;
+use super::frame_targets::FrameTargets;
 use super::limbs::Limbs;
 use super::{BodyFollower, RetargetError, Retargeting};
 use crate::motion::ContactDetection;

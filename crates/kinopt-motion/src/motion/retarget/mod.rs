@@ -24,6 +24,7 @@ mod follower;
 mod footholds;
 mod frame_errors;
 mod frame_problem;
+mod frame_targets;
 mod hand;
 mod held_object;
 mod initial_pose;

@@ -17,7 +17,7 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Polar, Vector3};
 
 /// Weights of the heading of a foot and of the axes of a hand, in metres of position per radian.
 const FOOT_WEIGHT: f64 = 0.1;
-const HAND_WEIGHT: f64 = 0.1;
+const HAND_WEIGHT: f64 = 0.3;
 /// Share of the capture frames, the slowest ones, in which a foot counts as flat.
 const REST_SHARE: f64 = 0.25;
 /// Sine of the largest slope from ankle to toe of a flat foot.

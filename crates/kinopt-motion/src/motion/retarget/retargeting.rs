@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::character::CharacterMotion;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::{LimbContact, plant_limbs};
-use super::follower::FrameTargets;
+use super::frame_targets::FrameTargets;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::on_terrain::SoleGround;
