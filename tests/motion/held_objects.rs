@@ -65,24 +65,34 @@ fn hands_keep_their_places_on_the_object() {
             .unwrap()
     });
     let mut kinematics = ForwardKinematics::new(model);
-    let width = 0.12;
+    let joints = ["LeftHand", "RightHand"].map(|joint| capture.joint(joint).unwrap());
+    let apart = |frame: usize| {
+        let positions = capture.frame(frame).unwrap();
+        (positions[joints[0]] - positions[joints[1]]).norm()
+    };
+    let nearest = (0..capture.frames()).map(apart).fold(f64::INFINITY, f64::min);
+    let width = 0.2;
     let held = object(&capture, Some(ObjectShape::Box([0.03, width, 0.03])));
     let fitted = plain.clone().with_object(&held, &capture).unwrap();
     assert_eq!(fitted.object_poses().len(), fitted.frames());
     let found = fitted.per_frame().unwrap();
-    let mut sum = 0.0;
-    for (q, pose) in found.rows().zip(fitted.object_poses()) {
+    let mut errors = Vec::new();
+    for (frame, (q, pose)) in found.rows().zip(fitted.object_poses()).enumerate() {
+        assert!(model.is_within_limits(q));
+        // The subject spreads its arms, too, and then holds nothing.
+        if apart(frame) > 1.05 * nearest {
+            continue;
+        }
         let placed = kinematics.place(q).unwrap();
         for (hand, side) in hands.iter().zip([1.0, -1.0]) {
             let frame = model.frame(&hand.frame).unwrap();
             let position = placed[frame.index()].apply(hand.offset);
             let place = pose.inverse().apply(position);
-            sum += (place - Vector3::new(0.0, side * 0.5 * width, 0.0)).norm();
+            errors.push((place - Vector3::new(0.0, side * 0.5 * width, 0.0)).norm());
         }
-        assert!(model.is_within_limits(q));
     }
-    let mean = sum / (2.0 * found.rows().len() as f64);
-    assert!(mean < 0.02, "{mean} m");
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    assert!(errors.len() > 100 && mean < 0.008, "{}: {mean} m", errors.len());
 }
 
 #[test]
