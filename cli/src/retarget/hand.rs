@@ -31,8 +31,7 @@ struct Grip<'a> {
 pub(super) fn run(arguments: &Arguments, out: &Path, json: bool) -> Outcome<()> {
     let unused = [
         ("--whole", arguments.whole),
-        ("--terrain", arguments.surroundings.has_terrain()),
-        ("--object", arguments.surroundings.has_object()),
+        ("--surroundings", arguments.surroundings.is_given()),
         ("--overwrite", arguments.overwrite),
         ("--format", arguments.format.is_some()),
     ];

@@ -1,61 +1,64 @@
-//! `--terrain`, `--object`: ground under a movement, and an object in its hands.
+//! `--surroundings`: ground under a movement, and an object in its hands.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::motion::retarget::{HeldObject, Terrain};
+use kinopt::motion::retarget::{HeldObject, RetargetError, Terrain};
+use serde::Deserialize;
+use serde_json::Value;
 
 use crate::failure::Outcome;
 use crate::file_access;
 
-/// Terrain and held object of a movement.
+/// Surroundings of a movement.
 #[derive(Args, Clone, Debug)]
 pub(super) struct SurroundingsOptions {
-    /// Steps and slopes .json onto which the movement is moved.
+    /// .json with the `terrain` under the movement and a `held_object`.
     #[arg(long, value_name = "FILE")]
-    terrain: Option<PathBuf>,
-
-    /// Box or ball .json in the hands, with its pose in each frame.
-    #[arg(long, value_name = "FILE")]
-    object: Option<PathBuf>,
+    surroundings: Option<PathBuf>,
 }
 
 /// Terrain and held object.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Surroundings {
     pub(super) terrain: Option<Terrain>,
     pub(super) object: Option<HeldObject>,
 }
 
+/// Content of the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    #[serde(default)]
+    terrain: Option<Value>,
+    #[serde(default)]
+    held_object: Option<Value>,
+}
+
 impl SurroundingsOptions {
-    /// Returns `true` if a terrain is given.
-    pub(super) fn has_terrain(&self) -> bool {
-        self.terrain.is_some()
+    /// Returns `true` if a file is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.surroundings.is_some()
     }
 
-    /// Returns `true` if an object is given.
-    pub(super) fn has_object(&self) -> bool {
-        self.object.is_some()
-    }
-
-    /// Reads the files.
+    /// Reads the file.
     ///
     /// # Errors
     /// A missing or damaged file.
     pub(super) fn read(&self) -> Outcome<Surroundings> {
-        let text = |file: &Option<PathBuf>| match file {
-            Some(file) => Ok(Some((file.display().to_string(), file_access::text(file)?))),
-            None => Outcome::Ok(None),
+        let Some(path) = &self.surroundings else {
+            return Ok(Surroundings::default());
         };
-        let terrain = text(&self.terrain)?.map(|(file, text)| {
-            Terrain::from_json(&text).map_err(|error| failure!("{file}: {error}"))
-        });
-        let object = text(&self.object)?.map(|(file, text)| {
-            HeldObject::from_json(&text).map_err(|error| failure!("{file}: {error}"))
-        });
+        let file = path.display();
+        let text = file_access::text(path)?;
+        let document: Document =
+            serde_json::from_str(&text).map_err(|error| failure!("{file}: {error}"))?;
+        let with_file = |error: RetargetError| failure!("{file}: {error}");
+        let terrain = document.terrain.map(|value| Terrain::from_json(&value.to_string()));
+        let object = document.held_object.map(|value| HeldObject::from_json(&value.to_string()));
         Ok(Surroundings {
-            terrain: terrain.transpose()?,
-            object: object.transpose()?,
+            terrain: terrain.transpose().map_err(with_file)?,
+            object: object.transpose().map_err(with_file)?,
         })
     }
 }
