@@ -70,7 +70,9 @@ fn hands_keep_their_places_on_the_object() {
         let positions = capture.frame(frame).unwrap();
         (positions[joints[0]] - positions[joints[1]]).norm()
     };
-    let nearest = (0..capture.frames()).map(apart).fold(f64::INFINITY, f64::min);
+    let nearest = (0..capture.frames())
+        .map(apart)
+        .fold(f64::INFINITY, f64::min);
     let width = 0.2;
     let held = object(&capture, Some(ObjectShape::Box([0.03, width, 0.03])));
     let fitted = plain.clone().with_object(&held, &capture).unwrap();
@@ -92,7 +94,11 @@ fn hands_keep_their_places_on_the_object() {
         }
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    assert!(errors.len() > 100 && mean < 0.008, "{}: {mean} m", errors.len());
+    assert!(
+        errors.len() > 100 && mean < 0.008,
+        "{}: {mean} m",
+        errors.len()
+    );
 }
 
 #[test]

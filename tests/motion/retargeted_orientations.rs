@@ -15,7 +15,7 @@ const LIMBS: [[&str; 2]; 4] = [
     ["RightUpLeg", "RightLeg"],
 ];
 /// Largest mean angle of these limbs. The NAO's shoulder has two joints, so its elbow cannot follow all directions.
-const MAX_MEAN_ANGLE: f64 = 0.15;
+const MAX_MEAN_ANGLE: f64 = 0.2;
 /// Largest slope of a sole in contact, at rest.
 const MAX_CONTACT_TILT: f64 = 0.04;
 

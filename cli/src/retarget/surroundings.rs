@@ -54,8 +54,12 @@ impl SurroundingsOptions {
         let document: Document =
             serde_json::from_str(&text).map_err(|error| failure!("{file}: {error}"))?;
         let with_file = |error: RetargetError| failure!("{file}: {error}");
-        let terrain = document.terrain.map(|value| Terrain::from_json(&value.to_string()));
-        let object = document.held_object.map(|value| HeldObject::from_json(&value.to_string()));
+        let terrain = document
+            .terrain
+            .map(|value| Terrain::from_json(&value.to_string()));
+        let object = document
+            .held_object
+            .map(|value| HeldObject::from_json(&value.to_string()));
         Ok(Surroundings {
             terrain: terrain.transpose().map_err(with_file)?,
             object: object.transpose().map_err(with_file)?,

@@ -121,7 +121,9 @@ pub(super) fn parts_of_structure(model: &Model) -> Option<BTreeMap<BodyPart, Dri
         add(knee, Some(leg.knee_joint), leg.knee);
         add(ankle, Some(leg.foot_joint), leg.ankle);
         let length = TOE_RATIO * (leg.knee - leg.ankle).norm();
-        add(toe, Some(leg.foot_joint), leg.ankle + forward * length);
+        let mut end = leg.ankle + forward * length;
+        end.z = tree.lowest(leg.foot_joint).min(end.z);
+        add(toe, Some(leg.foot_joint), end);
     }
     for (root, [shoulder, elbow, hand]) in arms.into_iter().zip([
         [

@@ -45,10 +45,11 @@ fn normals(contacts: &[(&LimbContact, GroundPlane)], frames: usize) -> Vec<Vecto
         let normal = plane.normal();
         let (end, from) = last.unwrap_or((0, normal));
         let count = contact.span.start.saturating_sub(end) as f64;
-        for frame in end..contact.span.start {
-            let fraction = smooth((frame - end + 1) as f64 / (count + 1.0));
-            let mixed = from + (normal - from) * fraction;
-            normals[frame] = mixed * (1.0 / mixed.norm());
+        let between = normals.iter_mut().take(contact.span.start).skip(end);
+        for (k, mixed) in between.enumerate() {
+            let fraction = smooth((k + 1) as f64 / (count + 1.0));
+            *mixed = from + (normal - from) * fraction;
+            *mixed = *mixed * (1.0 / mixed.norm());
         }
         normals[contact.span.clone()].fill(normal);
         last = Some((contact.span.end, normal));

@@ -24,6 +24,8 @@ const REST_SHARE: f64 = 0.25;
 const MAX_SLOPE: f64 = 0.9;
 /// Weight of the hip line in the lateral direction of a foot, which a vertical foot does not determine.
 const LATERAL_REGULARISATION: f64 = 1e-3;
+/// Cosine of the largest angle at which a direction of a hand counts as an axis of its frame: 15°.
+const MIN_SNAP_COSINE: f64 = 0.966;
 /// Length of a direction below which it is undetermined.
 const MIN_LENGTH: f64 = 1e-9;
 
@@ -159,7 +161,7 @@ impl Orientations {
                 let wrist_joints = wrist_joints(model, all[parent].frame, frame);
                 let driven = |axis: Vector3<f64>| DrivenAxis {
                     frame,
-                    axis: rotation.transpose_mul(axis),
+                    axis: snapped(rotation.transpose_mul(axis)),
                     weight: HAND_WEIGHT,
                 };
                 let fingers = finger_bases(capture.names(), side, other_side);
@@ -346,6 +348,17 @@ fn thumb_direction(along: Vector3<f64>, forward: Vector3<f64>) -> Option<Vector3
         + axis.cross(forward)
         + axis.cross(axis.cross(forward)) * (1.0 / (1.0 + cosine).max(1e-3));
     direction(turned - along * turned.dot(along))
+}
+
+/// Returns the axis of the frame that a direction nearly is, or else the direction. Links of hands have axes along their
+/// fingers, and origins of forearms are often off their middle.
+fn snapped(direction: Vector3<f64>) -> Vector3<f64> {
+    let [x, y, z] = Vector3::UNITS;
+    let axes = [x, y, z, -x, -y, -z];
+    let nearest = axes
+        .into_iter()
+        .find(|axis| axis.dot(direction) > MIN_SNAP_COSINE);
+    nearest.unwrap_or(direction)
 }
 
 /// Returns the number of joints that rotate a hand relative to the forearm.
