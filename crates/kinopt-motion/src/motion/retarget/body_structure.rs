@@ -33,6 +33,8 @@ const MAX_OFF_AXIS: f64 = 0.5;
 const CENTRE_REGULARISATION: f64 = 1e-2;
 /// Shortest forearm, relative to the upper arm, whose end counts as wrist.
 const MIN_FOREARM: f64 = 0.5;
+/// Resolution of the offsets of a map, metres, so that rounding errors are zero.
+const OFFSET_RESOLUTION: f64 = 1e-6;
 /// Largest number of joints between the shoulders' link and a head.
 const MAX_NECK_JOINTS: usize = 4;
 
@@ -525,7 +527,11 @@ impl<'m> JointBranches<'m> {
             None => self.carriers[frame].is_none(),
         })?;
         let mut drive = Drive::new("", self.model.frames()[frame].name.clone());
-        drive.offset = self.placed[frame].inverse().apply(position);
+        let offset = self.placed[frame].inverse().apply(position);
+        let [x, y, z] = offset
+            .to_array()
+            .map(|length| (length / OFFSET_RESOLUTION).round() * OFFSET_RESOLUTION);
+        drive.offset = Vector3::new(x + 0.0, y + 0.0, z + 0.0);
         Some(drive)
     }
 }
