@@ -15,9 +15,11 @@ use super::{BodyPart, UpAxis};
 use kinopt_kinematics::model::{FrameId, Model};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Polar, Vector3};
 
-/// Weights of the heading of a foot and of the axes of a hand, in metres of position per radian.
+/// Weight of the heading of a foot, in metres of position per radian.
 const FOOT_WEIGHT: f64 = 0.1;
-const HAND_WEIGHT: f64 = 0.3;
+/// Weights of the axes of a hand whose wrist can have any orientation, and of other hands, in metres of position per
+/// radian. A wrist with fewer than three joints would turn the arm.
+const HAND_WEIGHTS: [f64; 2] = [0.3, 0.1];
 /// Share of the capture frames, the slowest ones, in which a foot counts as flat.
 const REST_SHARE: f64 = 0.25;
 /// Sine of the largest slope from ankle to toe of a flat foot.
@@ -162,7 +164,7 @@ impl Orientations {
                 let driven = |axis: Vector3<f64>| DrivenAxis {
                     frame,
                     axis: snapped(rotation.transpose_mul(axis)),
-                    weight: HAND_WEIGHT,
+                    weight: HAND_WEIGHTS[usize::from(wrist_joints < 3)],
                 };
                 let fingers = finger_bases(capture.names(), side, other_side);
                 let shoulder = parts.get(shoulder).filter(|_| fingers.is_none());
