@@ -17,9 +17,9 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Polar, Vector3};
 
 /// Weight of the heading of a foot, in metres of position per radian.
 const FOOT_WEIGHT: f64 = 0.1;
-/// Weights of the axes of a hand whose wrist can have any orientation, and of other hands, in metres of position per
-/// radian. A wrist with fewer than three joints would turn the arm.
-const HAND_WEIGHTS: [f64; 2] = [0.3, 0.1];
+/// Weights of the axes of a hand with one, two, and three or more joints of the wrist, in metres of position per radian.
+/// With fewer than three joints, they turn the arm too.
+const HAND_WEIGHTS: [f64; 3] = [0.03, 0.1, 0.3];
 /// Share of the capture frames, the slowest ones, in which a foot counts as flat.
 const REST_SHARE: f64 = 0.25;
 /// Sine of the largest slope from ankle to toe of a flat foot.
@@ -164,7 +164,7 @@ impl Orientations {
                 let driven = |axis: Vector3<f64>| DrivenAxis {
                     frame,
                     axis: snapped(rotation.transpose_mul(axis)),
-                    weight: HAND_WEIGHTS[usize::from(wrist_joints < 3)],
+                    weight: HAND_WEIGHTS[wrist_joints.clamp(1, 3) - 1],
                 };
                 let fingers = finger_bases(capture.names(), side, other_side);
                 let shoulder = parts.get(shoulder).filter(|_| fingers.is_none());
