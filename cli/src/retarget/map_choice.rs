@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::Model;
 use kinopt::motion::retarget::{BodyMap, BodyPart, KnownSkeleton, MapGuess, RetargetError, UpAxis};
 
 use super::source::Source;
+use super::target::Target;
 use crate::failure::Outcome;
 use crate::file_access;
 use crate::output;
@@ -85,13 +85,20 @@ impl MapChoice {
     }
 
     /// Body map from a capture to a model.
-    pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<MapGuess> {
-        let capture = &source.capture;
+    pub(super) fn of(&self, file: &str, source: &Source, target: &Target) -> Outcome<MapGuess> {
+        let (capture, model) = (&source.capture, target.robot.model());
         let with_file = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
             Self::Given(_, map) => map.clone().completed(capture, model),
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
-            Self::Guessed => BodyMap::guess(capture, model),
+            Self::Guessed => {
+                let mut map = BodyMap::default();
+                map.human_bones = target.human_bones();
+                match map.human_bones.is_empty() {
+                    true => BodyMap::guess(capture, model),
+                    false => map.completed(capture, model),
+                }
+            }
         };
         guess.map_err(|error| match self {
             Self::Given(map, _) if self.is_guessed() => {

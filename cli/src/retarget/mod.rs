@@ -63,7 +63,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     source_options: SourceOptions,
 
-    /// Up axis of a figure, y or z. Default: y; of a rig z.
+    /// Up axis of a figure, y or z. Default: detected, else y; of a rig z.
     #[arg(long, value_enum, value_name = "AXIS", hide_possible_values = true)]
     target_up: Option<Up>,
 
@@ -231,7 +231,7 @@ impl<'a> Job<'a> {
             .source_options
             .read(source, given, skeleton)?;
         let robot = &self.target.robot;
-        let guess = self.map.of(&file, &read, robot.model())?;
+        let guess = self.map.of(&file, &read, &self.target)?;
         self.map.report(&file, &guess, read.up);
         let mut map = guess.map;
         // The option has priority over the map.
@@ -289,7 +289,7 @@ impl Arguments {
         let (given, skeleton) = (choice.given(), choice.skeleton());
         let read = self.source_options.read(&self.source, given, skeleton)?;
         let file = self.source.display().to_string();
-        let guess = choice.of(&file, &read, target.robot.model())?;
+        let guess = choice.of(&file, &read, &target)?;
         // With `--out`, the retargeting reports the guess itself.
         if self.out.is_none() {
             choice.report(&file, &guess, read.up);

@@ -95,3 +95,35 @@ fn incomplete_body_is_an_error_that_lists_parts() {
         assert!(message.contains(words), "{message}");
     }
 }
+
+/// Bones by a table of human bones, for a target whose names and tree mean nothing.
+#[test]
+fn table_of_human_bones_is_used() {
+    let person = Person::named("Mixamo");
+    let source = capture(&person);
+    let target = Person::named("Unity/Godot humanoid");
+    let mut nameless = target.clone();
+    for (index, bone) in nameless.bones.iter_mut().enumerate() {
+        bone.name = format!("x{index}q");
+    }
+    let figure = figure_of(&nameless);
+    let named = target.bones.iter().zip(&nameless.bones);
+    // Left and right exchanged, so that the table differs from the tree.
+    let table = named.map(|(human, bone)| {
+        let exchanged = match human.name.strip_prefix("Left") {
+            Some(rest) => format!("Right{rest}"),
+            None => human.name.replacen("Right", "Left", 1),
+        };
+        format!("\"{exchanged}\": \"{}\"", bone.name)
+    });
+    let table: Vec<String> = table.collect();
+    let text = format!("{{\"human_bones\": {{{}}}}}", table.join(", "));
+    let map = BodyMap::from_json(&text, "").unwrap();
+    let guess = map.completed(&source, figure.robot().model()).unwrap();
+    let left_hand = person.bones[person.index("Lh")].name.clone();
+    let right_bone = nameless.bones[nameless.index("Rh")].name.clone();
+    assert!(drives(&guess.map).contains(&(left_hand, right_bone)));
+    // A completed map has drives in place of the table, and is read again.
+    let again = BodyMap::from_json(&guess.map.to_json(), "").unwrap();
+    assert_eq!(again, guess.map);
+}

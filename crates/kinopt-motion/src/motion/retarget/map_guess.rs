@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::anatomy::{Anatomy, JointTree, recognise};
 use super::body_map::DriveText;
 use super::body_structure::parts_of_structure;
+use super::human_bones::{HumanBones, parts_of_table};
 use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
@@ -110,29 +111,37 @@ pub(super) fn tree_parts_or_named<T>(
     }
 }
 
+/// Body parts among the bones of a character.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CharacterParts {
+    pub(super) bones: BTreeMap<BodyPart, DriveText>,
+    /// Built-in body that matches the names.
+    body: Option<&'static str>,
+    /// Disagreements of names and tree.
+    notes: Vec<String>,
+}
+
 /// Returns the bone of each part of a character, by a built-in body, the tree or names.
-pub(super) fn parts_of_character(
-    model: &Model,
-) -> Result<
-    (
-        BTreeMap<BodyPart, DriveText>,
-        Option<&'static str>,
-        Vec<String>,
-    ),
-    RetargetError,
-> {
+pub(super) fn parts_of_character(model: &Model) -> Result<CharacterParts, RetargetError> {
     if let Some(known) = KnownBody::of_model(model)? {
-        return Ok((known.parts, Some(known.name), Vec::new()));
+        return Ok(CharacterParts {
+            bones: known.parts,
+            body: Some(known.name),
+            notes: Vec::new(),
+        });
     }
     let Some((tree, _)) = JointTree::of_character(model) else {
-        return Ok(Default::default());
+        return Ok(CharacterParts::default());
     };
     let Anatomy { parts, notes } = recognise(&tree, &tree.positions);
     let named = parts_of(tree.names.iter().map(String::as_str));
     let parts = tree_parts_or_named(parts, named).into_iter();
     let bone = |joint: usize| DriveText::Frame(tree.names[joint].clone());
-    let parts = parts.map(|(part, joint)| (part, bone(joint)));
-    Ok((parts.collect(), None, notes))
+    Ok(CharacterParts {
+        bones: parts.map(|(part, joint)| (part, bone(joint))).collect(),
+        body: None,
+        notes,
+    })
 }
 
 /// Returns an error that lists the missing parts of an incomplete body.
@@ -177,12 +186,16 @@ impl BodyMap {
     /// Returns an error, with some of the names, if those of the capture or the model match no body. For a character,
     /// returns an error that lists missing parts, unless pelvis, head, arms and legs are found.
     pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
-        let CaptureParts {
-            joints,
-            skeleton,
-            notes,
-        } = parts_of_capture(capture);
-        Self::of_parts(capture, joints, skeleton, model, notes)
+        Self::default().guess_parts(capture, model)
+    }
+
+    /// Guesses assignments, by tables of human bones if the map has them.
+    fn guess_parts(&self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        let mut found = parts_of_capture(capture);
+        found
+            .joints
+            .extend(parts_of_table(&self.source_human_bones, capture.names()));
+        Self::of_parts(capture, found, model, &self.human_bones)
     }
 
     /// Completes a map without assignments by [guessed](Self::guess) ones. Otherwise only checks the proportions.
@@ -191,14 +204,17 @@ impl BodyMap {
     /// Returns the errors of `guess` for a map without assignments.
     pub fn completed(self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
         if self.drives.is_empty() {
-            let guess = Self::guess(capture, model)?;
+            let has_tables = !self.human_bones.is_empty() || !self.source_human_bones.is_empty();
+            let guess = self.guess_parts(capture, model)?;
             let map = Self {
                 drives: guess.map.drives,
                 contacts: self.contacts.or(guess.map.contacts),
+                human_bones: HumanBones::new(),
+                source_human_bones: HumanBones::new(),
                 ..self
             };
-            let note = NO_DRIVES_NOTE.to_owned();
-            let notes = std::iter::once(note).chain(guess.notes).collect();
+            let note = (!has_tables).then(|| NO_DRIVES_NOTE.to_owned());
+            let notes = note.into_iter().chain(guess.notes).collect();
             return Ok(MapGuess {
                 map,
                 notes,
@@ -235,16 +251,25 @@ impl BodyMap {
                     skeleton: skeleton.name(),
                     joints: first_names(capture.names().iter().map(String::as_str)),
                 })?;
-        Self::of_parts(capture, joints, Some(skeleton.name()), model, Vec::new())
+        let parts = CaptureParts {
+            joints,
+            skeleton: Some(skeleton.name()),
+            notes: Vec::new(),
+        };
+        Self::of_parts(capture, parts, model, &HumanBones::new())
     }
 
     fn of_parts(
         capture: &Capture,
-        joints: BTreeMap<BodyPart, usize>,
-        skeleton: Option<&'static str>,
+        parts: CaptureParts,
         model: &Model,
-        mut notes: Vec<String>,
+        human_bones: &HumanBones,
     ) -> Result<MapGuess, RetargetError> {
+        let CaptureParts {
+            joints,
+            skeleton,
+            mut notes,
+        } = parts;
         if joints.len() < MIN_PARTS {
             return Err(RetargetError::NoBody {
                 of: "the capture's joints",
@@ -260,12 +285,12 @@ impl BodyMap {
             _ => None,
         };
         let from_tree = drives.is_some();
-        let (body, parts) = match (known, is_character, drives) {
+        let (body, mut parts) = match (known, is_character, drives) {
             (Some(known), ..) => (Some(known.name), known.parts),
             (None, true, _) => {
-                let (parts, body, of_tree) = parts_of_character(model)?;
-                notes.extend(of_tree);
-                (body, parts)
+                let found = parts_of_character(model)?;
+                notes.extend(found.notes);
+                (found.body, found.bones)
             }
             (None, false, Some(drives)) => {
                 let drives = drives.iter();
@@ -291,6 +316,14 @@ impl BodyMap {
                 of: "the model's frames",
                 names: first_names(frames()),
             });
+        }
+        let names: Vec<String> = model
+            .frames()
+            .iter()
+            .map(|frame| frame.name.clone())
+            .collect();
+        for (part, frame) in parts_of_table(human_bones, &names) {
+            parts.insert(part, DriveText::Frame(names[frame].clone()));
         }
         if is_character {
             let joint = |joint: &usize| capture.names()[*joint].clone();

@@ -1,7 +1,7 @@
 //! Pairs of limbs of a joint tree: three joints each, found by symmetry, lengths and names.
 
 use super::joint_tree::JointTree;
-use super::name_words::{BodySide, BoneName, Role};
+use super::name_words::{BoneName, BoneRole, BoneSide};
 
 /// Number of the best limbs of a kind that are paired.
 const MAX_CANDIDATES: usize = 60;
@@ -14,6 +14,9 @@ const MAX_SEGMENT_RATIO: f64 = 2.2;
 /// Smallest length of a segment, relative to the size of the tree.
 const MIN_SEGMENT: f64 = 0.03;
 
+/// Distance of both limbs, relative to their length, below which their first joints are joints of the trunk.
+const MIN_SPREAD: f64 = 0.01;
+
 /// Kind of a limb.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LimbKind {
@@ -22,10 +25,10 @@ pub(super) enum LimbKind {
 }
 
 impl LimbKind {
-    fn roles(self) -> [Role; 3] {
+    fn roles(self) -> [BoneRole; 3] {
         match self {
-            Self::Leg => [Role::Hip, Role::Knee, Role::Ankle],
-            Self::Arm => [Role::Shoulder, Role::Elbow, Role::Wrist],
+            Self::Leg => [BoneRole::Hip, BoneRole::Knee, BoneRole::Ankle],
+            Self::Arm => [BoneRole::Shoulder, BoneRole::Elbow, BoneRole::Wrist],
         }
     }
 }
@@ -34,7 +37,7 @@ impl LimbKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LimbJoints {
     pub(super) joints: [usize; 3],
-    side: Option<BodySide>,
+    side: Option<BoneSide>,
     /// Score of the names, from 0 to 3.3.
     names: f64,
     score: f64,
@@ -71,7 +74,7 @@ pub(super) fn limb_pairs(
     limbs.sort_by(|a, b| b.score.total_cmp(&a.score));
     // The best of each side, so that one side with many bones does not displace the other.
     let mut kept: Vec<LimbJoints> = Vec::new();
-    for side in [None, Some(BodySide::Left), Some(BodySide::Right)] {
+    for side in [None, Some(BoneSide::Left), Some(BoneSide::Right)] {
         let of_side = limbs.iter().filter(|limb| limb.side == side);
         kept.extend(of_side.take(MAX_CANDIDATES));
     }
@@ -161,7 +164,8 @@ fn pair(tree: &JointTree, a: &LimbJoints, b: &LimbJoints) -> Option<LimbPair> {
         .sum::<usize>() as f64;
     // Both limbs begin near each other.
     let spread = tree.distance(a_start, b_start) / (a.lengths[0] + a.lengths[1]);
-    let sides = match a.side == Some(BodySide::Right) || b.side == Some(BodySide::Left) {
+    let coincidence = if spread < MIN_SPREAD { 1.0 } else { 0.0 };
+    let sides = match a.side == Some(BoneSide::Right) || b.side == Some(BoneSide::Left) {
         true => [*b, *a],
         false => [*a, *b],
     };
@@ -169,6 +173,10 @@ fn pair(tree: &JointTree, a: &LimbJoints, b: &LimbJoints) -> Option<LimbPair> {
         sides,
         sides_named: a.side.is_some() && b.side.is_some(),
         names: a.names + b.names,
-        score: a.score + b.score - 3.0 * (asymmetry - 1.0) - 0.3 * depths - 0.3 * spread,
+        score: a.score + b.score
+            - 3.0 * (asymmetry - 1.0)
+            - 0.3 * depths
+            - 0.3 * spread
+            - coincidence,
     })
 }

@@ -6,14 +6,14 @@ use super::super::part_names::words;
 
 /// Side of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum BodySide {
+pub(super) enum BoneSide {
     Left,
     Right,
 }
 
 /// Joint of a limb or of the trunk, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Role {
+pub(super) enum BoneRole {
     Pelvis,
     Head,
     Hip,
@@ -36,9 +36,9 @@ pub(in super::super) enum Finger {
 }
 
 /// Words of each role with their scores. Words of two roles, as `leg` and `hip`, are decided by the chain of joints.
-const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
+const ROLE_WORDS: [(BoneRole, &[(&str, f64)]); 9] = [
     (
-        Role::Pelvis,
+        BoneRole::Pelvis,
         &[
             ("pelvis", 1.0),
             ("hips", 1.0),
@@ -49,9 +49,12 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
             ("body", 0.2),
         ],
     ),
-    (Role::Head, &[("head", 1.0), ("skull", 0.9), ("頭", 1.0)]),
     (
-        Role::Hip,
+        BoneRole::Head,
+        &[("head", 1.0), ("skull", 0.9), ("頭", 1.0)],
+    ),
+    (
+        BoneRole::Hip,
         &[
             ("thigh", 1.0),
             ("upleg", 1.0),
@@ -66,7 +69,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Knee,
+        BoneRole::Knee,
         &[
             ("shin", 1.0),
             ("calf", 1.0),
@@ -83,7 +86,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Ankle,
+        BoneRole::Ankle,
         &[
             ("ankle", 1.1),
             ("foot", 1.0),
@@ -92,7 +95,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Toe,
+        BoneRole::Toe,
         &[
             ("toebase", 1.1),
             ("toe", 1.0),
@@ -104,7 +107,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Shoulder,
+        BoneRole::Shoulder,
         &[
             ("upperarm", 1.0),
             ("uparm", 1.0),
@@ -119,7 +122,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Elbow,
+        BoneRole::Elbow,
         &[
             ("forearm", 1.0),
             ("lowerarm", 1.0),
@@ -134,7 +137,7 @@ const ROLE_WORDS: [(Role, &[(&str, f64)]); 9] = [
         ],
     ),
     (
-        Role::Wrist,
+        BoneRole::Wrist,
         &[("wrist", 1.1), ("hand", 1.0), ("手首", 1.1), ("palm", 0.6)],
     ),
 ];
@@ -205,7 +208,7 @@ const TWIST_WORDS: [&str; 5] = ["twist", "roll", "捩", "sharebone", "twst"];
 /// Meaning of a bone's name.
 #[derive(Clone, Debug)]
 pub(super) struct BoneName {
-    pub(super) side: Option<BodySide>,
+    pub(super) side: Option<BoneSide>,
     /// Words without side, joined.
     pub(super) rest: String,
     /// True for a control, a helper, an end or an accessory.
@@ -214,7 +217,7 @@ pub(super) struct BoneName {
 
 impl BoneName {
     /// Score of the name for a role, from 0 to 1.1.
-    pub(super) fn score(&self, role: Role) -> f64 {
+    pub(super) fn score(&self, role: BoneRole) -> f64 {
         let words = ROLE_WORDS.iter().find(|(known, _)| *known == role);
         let score = words.map_or(0.0, |(_, words)| {
             let exact = words.iter().find(|(word, _)| self.rest == *word);
@@ -296,15 +299,19 @@ fn bone_name(words: &[String]) -> BoneName {
             rest.push_str(bare);
         }
     }
+    // CMU's `LHipJoint` is between the pelvis and the hip.
+    if rest == "hip" && side.is_some() && words.iter().any(|word| word == "joint") {
+        rest.push_str("joint");
+    }
     // Sides without a separator: `lthigh`, `leftupleg`, `左腕`.
     if side.is_none() {
         for (start, named) in [
-            ("left", BodySide::Left),
-            ("right", BodySide::Right),
-            ("左", BodySide::Left),
-            ("右", BodySide::Right),
-            ("l", BodySide::Left),
-            ("r", BodySide::Right),
+            ("left", BoneSide::Left),
+            ("right", BoneSide::Right),
+            ("左", BoneSide::Left),
+            ("右", BoneSide::Right),
+            ("l", BoneSide::Left),
+            ("r", BoneSide::Right),
         ] {
             let after = rest.strip_prefix(start).filter(|after| !after.is_empty());
             let Some(after) = after else { continue };
@@ -321,10 +328,10 @@ fn bone_name(words: &[String]) -> BoneName {
     }
 }
 
-fn side_of(word: &str) -> Option<BodySide> {
+fn side_of(word: &str) -> Option<BoneSide> {
     match word {
-        "left" | "l" | "lft" | "lt" => Some(BodySide::Left),
-        "right" | "r" | "rgt" | "rt" => Some(BodySide::Right),
+        "left" | "l" | "lft" | "lt" => Some(BoneSide::Left),
+        "right" | "r" | "rgt" | "rt" => Some(BoneSide::Right),
         _ => None,
     }
 }
@@ -355,22 +362,22 @@ fn split(name: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BodySide, Role, bone_names};
+    use super::{BoneRole, BoneSide, bone_names};
 
     #[test]
     fn sides_and_roles_are_read_from_names() {
         let names = [
-            ("lShldr", BodySide::Left, Role::Shoulder),
-            ("rshin", BodySide::Right, Role::Knee),
-            ("LUArm", BodySide::Left, Role::Shoulder),
-            ("upperarm_r", BodySide::Right, Role::Shoulder),
-            ("ValveBiped.Bip01_L_Calf", BodySide::Left, Role::Knee),
-            ("左足首", BodySide::Left, Role::Ankle),
-            ("thigh.L", BodySide::Left, Role::Hip),
-            ("CC_Base_R_Hand", BodySide::Right, Role::Wrist),
-            ("DEF-forearm.L", BodySide::Left, Role::Elbow),
-            ("l_arm_JNT", BodySide::Left, Role::Shoulder),
-            ("rfemur", BodySide::Right, Role::Hip),
+            ("lShldr", BoneSide::Left, BoneRole::Shoulder),
+            ("rshin", BoneSide::Right, BoneRole::Knee),
+            ("LUArm", BoneSide::Left, BoneRole::Shoulder),
+            ("upperarm_r", BoneSide::Right, BoneRole::Shoulder),
+            ("ValveBiped.Bip01_L_Calf", BoneSide::Left, BoneRole::Knee),
+            ("左足首", BoneSide::Left, BoneRole::Ankle),
+            ("thigh.L", BoneSide::Left, BoneRole::Hip),
+            ("CC_Base_R_Hand", BoneSide::Right, BoneRole::Wrist),
+            ("DEF-forearm.L", BoneSide::Left, BoneRole::Elbow),
+            ("l_arm_JNT", BoneSide::Left, BoneRole::Shoulder),
+            ("rfemur", BoneSide::Right, BoneRole::Hip),
         ];
         for (name, side, role) in names {
             let parsed = &bone_names(&[name.to_owned()])[0];

@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::super::BodyPart;
 use super::joint_tree::JointTree;
 use super::limb_pairs::{LimbKind, LimbPair, limb_pairs};
-use super::name_words::{BoneName, Role, bone_names, is_chain_end};
+use super::name_words::{BoneName, BoneRole, bone_names, is_chain_end};
 
 /// Score of the names of a pair of limbs below which its kind follows from the tree.
 const MIN_NAME_SCORE: f64 = 2.0;
@@ -197,7 +197,7 @@ fn add_trunk(
         tree.positions[*joint].distance(middle) < MAX_PELVIS_DISTANCE * leg && Some(*joint) != chest
     };
     let root = chest.and_then(|chest| tree.common_ancestor(hips, chest));
-    let name_score = |joint: &usize| names[*joint].score(Role::Pelvis);
+    let name_score = |joint: &usize| names[*joint].score(BoneRole::Pelvis);
     let named = |joint: &usize| name_score(joint) >= 0.85 && is_near(joint);
     // The joint that carries legs and spine, or one above it with the name of a pelvis.
     let root = root
@@ -227,11 +227,11 @@ fn head(
     };
     let depth = |joint: usize| tree.up_from(joint).count();
     let mut named: Vec<usize> = (0..tree.len())
-        .filter(|joint| !in_limb(*joint) && names[*joint].score(Role::Head) > 0.5)
+        .filter(|joint| !in_limb(*joint) && names[*joint].score(BoneRole::Head) > 0.5)
         .filter(is_above_chest)
         .collect();
     named.sort_by(|a, b| {
-        let scores = [a, b].map(|joint| names[*joint].score(Role::Head));
+        let scores = [a, b].map(|joint| names[*joint].score(BoneRole::Head));
         scores[1]
             .total_cmp(&scores[0])
             .then(depth(*a).cmp(&depth(*b)))
@@ -288,15 +288,14 @@ fn add_toes(tree: &JointTree, names: &[BoneName], anatomy: &mut Anatomy) {
         let below: Vec<usize> = tree.subtree(ankle).into_iter().skip(1).collect();
         let is_long = |joint: &usize| tree.distance(ankle, *joint) > min_length;
         let named = below.iter().copied().filter(is_long).filter(|joint| {
-            names[*joint].score(Role::Toe) > 0.5 && !is_chain_end(&tree.names[*joint])
+            names[*joint].score(BoneRole::Toe) > 0.5 && !is_chain_end(&tree.names[*joint])
         });
-        let by_score =
-            named.reduce(
-                |a, b| match names[b].score(Role::Toe) > names[a].score(Role::Toe) {
-                    true => b,
-                    false => a,
-                },
-            );
+        let by_score = named.reduce(|a, b| {
+            match names[b].score(BoneRole::Toe) > names[a].score(BoneRole::Toe) {
+                true => b,
+                false => a,
+            }
+        });
         let farthest = tree.children(ankle).iter().copied();
         let farthest = farthest.filter(|joint| is_long(joint) && !names[*joint].is_helper);
         let farthest = farthest.max_by(|a, b| {

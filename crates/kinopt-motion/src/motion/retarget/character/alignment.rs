@@ -1,6 +1,6 @@
 //! Alignment of a character's rest pose to the reference pose of a subject.
 //!
-//! Both stand, for example in a T-pose and an A-pose. Each bone gets the rotation in the world that aligns it:
+//! Both are upright, for example in a T-pose and an A-pose. Each bone gets the rotation in the world that aligns it:
 //!
 //! - pelvis and head: about the vertical, to the subject's heading;
 //! - spine, neck, arms, legs and fingers: the smallest rotation between the directions to the next joint, after that of
@@ -23,13 +23,13 @@ const MIN_LENGTH_RATIO: f64 = 0.02;
 
 /// Joints of a body in one pose.
 #[derive(Clone, Copy, Debug)]
-struct Body<'a> {
+struct PosedBody<'a> {
     positions: &'a [DVec3],
     parts: &'a BTreeMap<BodyPart, usize>,
     tree: Option<&'a JointTree>,
 }
 
-impl Body<'_> {
+impl PosedBody<'_> {
     fn at(&self, part: BodyPart) -> Option<DVec3> {
         let joint = self.parts.get(&part)?;
         self.positions.get(*joint).copied()
@@ -78,12 +78,12 @@ pub(super) fn alignments(
     relation: &Correspondence,
 ) -> Vec<DQuat> {
     let rest: Vec<DVec3> = bones.iter().map(|bone| bone.position).collect();
-    let character = Body {
+    let character = PosedBody {
         positions: &rest,
         parts: &relation.bones,
         tree: Some(tree),
     };
-    let subject = Body {
+    let subject = PosedBody {
         positions,
         parts: &relation.joints,
         tree: source,
@@ -172,21 +172,21 @@ fn is_towards_limb(tree: &JointTree, part_of: &BTreeMap<usize, BodyPart>, bone: 
 
 /// Directions from the chest to the neck, if both bodies have one.
 fn neck_directions(
-    character: &Body<'_>,
-    subject: &Body<'_>,
+    character: &PosedBody<'_>,
+    subject: &PosedBody<'_>,
     relation: &Correspondence,
 ) -> Option<(DVec3, DVec3)> {
     let (bone, joint) = neck(relation)?;
     let from = character.positions[bone] - character.at(BodyPart::Chest)?;
     let to = subject.positions[joint] - subject.at(BodyPart::Chest)?;
-    let is_long = |v: DVec3, body: &Body<'_>| v.length() > MIN_LENGTH_RATIO * body.leg();
+    let is_long = |v: DVec3, body: &PosedBody<'_>| v.length() > MIN_LENGTH_RATIO * body.leg();
     (is_long(from, character) && is_long(to, subject)).then_some((from, to))
 }
 
 /// Directions from the neck to the head, if both bodies have a neck; else from the chest to the head.
 fn neck_to_head(
-    character: &Body<'_>,
-    subject: &Body<'_>,
+    character: &PosedBody<'_>,
+    subject: &PosedBody<'_>,
     relation: &Correspondence,
 ) -> Option<(DVec3, DVec3)> {
     let directions = neck(relation).and_then(|(bone, joint)| {
@@ -195,7 +195,7 @@ fn neck_to_head(
         Some((from, to))
     });
     directions.or_else(|| {
-        let between = |body: &Body<'_>| body.between(BodyPart::Chest, BodyPart::Head);
+        let between = |body: &PosedBody<'_>| body.between(BodyPart::Chest, BodyPart::Head);
         between(character).zip(between(subject))
     })
 }
@@ -208,7 +208,12 @@ fn neck(relation: &Correspondence) -> Option<(usize, usize)> {
     Some((*chain.bones.first()?, *chain.joints.first()?))
 }
 
-fn hand_alignment(character: &Body<'_>, subject: &Body<'_>, hand: BodyPart, above: DQuat) -> DQuat {
+fn hand_alignment(
+    character: &PosedBody<'_>,
+    subject: &PosedBody<'_>,
+    hand: BodyPart,
+    above: DQuat,
+) -> DQuat {
     let (Some((from, from_across)), Some((to, to_across))) =
         (character.knuckles(hand), subject.knuckles(hand))
     else {

@@ -64,7 +64,7 @@ pub(super) struct AxialChain {
 }
 
 /// Chains of bones and joints between two anchors.
-struct Chain {
+struct BoneChain {
     /// Joints at both ends.
     ends: [usize; 2],
     bones: Vec<usize>,
@@ -192,7 +192,7 @@ impl Builder<'_> {
                     upper,
                 });
             }
-            self.spread(&Chain {
+            self.spread(&BoneChain {
                 ends: [first, last],
                 bones: chain,
                 joints,
@@ -202,7 +202,7 @@ impl Builder<'_> {
     }
 
     /// Gives the bones of a chain the rotations of its joints, along their arc lengths.
-    fn spread(&mut self, chain: &Chain) {
+    fn spread(&mut self, chain: &BoneChain) {
         let [first, last] = chain.ends;
         if chain.bones.len() == chain.joints.len() {
             for (bone, joint) in chain.bones.iter().zip(&chain.joints) {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::super::BodyPart;
+use super::feet::at_distance;
 use super::motion::{CharacterMotion, extend_configuration};
 use super::proportions::LEGS;
 use super::transfer::{FootTarget, SubjectFrame};
@@ -75,18 +76,31 @@ impl CharacterFollower {
         let transfer = &motion.transfer;
         let targets: [Option<FootTarget>; 2] = std::array::from_fn(|leg| {
             let [.., ankle, toe] = LEGS[leg];
+            let length = transfer.foot_length(&LEGS[leg]);
             let [ankle_state, toe_state] = &mut self.feet[leg];
-            let place = |part: BodyPart, state: &mut FootContactState| {
+            let place = |part: BodyPart, state: &mut FootContactState, other: Option<DVec3>| {
                 let place = transfer.foot_place(part, subject)?;
                 let clearance = transfer.clearance(part);
                 let settings = (&self.contacts, self.frame_rate);
-                Some(state.advance(place, clearance, transfer.sizes.leg, settings))
+                // Contacts of one foot are at its length.
+                let place_of_contact = |place: DVec3| match other {
+                    Some(other) => at_distance(place, other, length),
+                    None => place,
+                };
+                let sizes = (clearance, transfer.sizes.leg);
+                Some(state.advance(place, sizes, settings, place_of_contact))
             };
-            Some(FootTarget {
-                ankle: place(ankle, ankle_state)?,
-                toe: place(toe, toe_state),
-                on_toe: toe_state.level * (1.0 - ankle_state.level),
-            })
+            let at_toe = toe_state.locked;
+            let ankle_place = place(ankle, ankle_state, at_toe)?;
+            let at_ankle = ankle_state.locked;
+            let toe_place = place(toe, toe_state, at_ankle);
+            let levels = [ankle_state.level, toe_state.level];
+            Some(FootTarget::with_length(
+                ankle_place,
+                toe_place,
+                length,
+                levels,
+            ))
         });
         let (pose, base) = transfer.pose(
             subject,
@@ -107,9 +121,9 @@ impl FootContactState {
     fn advance(
         &mut self,
         place: DVec3,
-        clearance: f64,
-        leg: f64,
+        (clearance, leg): (f64, f64),
         (contacts, rate): (&ContactDetection, f64),
+        place_of_contact: impl FnOnce(DVec3) -> DVec3,
     ) -> DVec3 {
         let oldest = self.history.front();
         let frames = self.history.len().max(1) as f64;
@@ -133,7 +147,7 @@ impl FootContactState {
                 true => DVec3::new(above.x, above.y, clearance),
                 false => above,
             };
-            self.locked.get_or_insert(snapped);
+            self.locked.get_or_insert_with(|| place_of_contact(snapped));
             self.level = (self.level + step).min(1.0);
         } else {
             self.level = (self.level - step).max(0.0);

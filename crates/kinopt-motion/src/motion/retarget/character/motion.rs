@@ -60,10 +60,11 @@ impl<'r> Retargeting<'r> {
         fitted.set_foot_limbs(map, capture, &transfer, &limb_parts)?;
         fitted.set_character_targets(capture, &transfer, &limb_parts);
         let foot_limbs = foot_limbs(&limb_parts);
+        let feet = fitted.foot_targets(&foot_limbs, &transfer);
         fitted.character = Some(Arc::new(CharacterMotion {
             transfer,
             capture: capture.clone(),
-            feet: fitted.foot_targets(&foot_limbs),
+            feet,
             blend_frames: fitted.options.contacts.lead_frames(fitted.frame_rate),
         }));
         Ok(fitted)
@@ -76,7 +77,7 @@ fn drives_with_parts(
     map: &BodyMap,
     capture: &Capture,
 ) -> Result<Vec<(usize, usize, Option<BodyPart>)>, RetargetError> {
-    let (parts, ..) = parts_of_character(figure.robot().model())?;
+    let parts = parts_of_character(figure.robot().model())?.bones;
     let part_of_bone: BTreeMap<&str, BodyPart> = parts
         .iter()
         .map(|(part, bone)| (bone.frame(), *part))

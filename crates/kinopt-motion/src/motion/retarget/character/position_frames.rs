@@ -10,6 +10,9 @@ use super::rotation::{arc, axes};
 /// Weight of the anatomical bend plane, relative to the sine of the bend. It defines the plane of a straight limb.
 const ANATOMICAL_WEIGHT: f64 = 0.15;
 
+/// Length of the trunk below and above the chest, relative to the trunk, up to which the chest is no bend.
+const MIN_TRUNK_SHARE: f64 = 0.15;
+
 /// Returns the rotation of the axes of each part that its positions determine, with z up.
 ///
 /// x is along the limb; y is the axis about which knee or elbow bends. For the trunk x points to the left and y up. A
@@ -23,11 +26,19 @@ pub(super) fn part_rotations(at: &dyn Fn(BodyPart) -> Option<DVec3>) -> BTreeMap
     let shoulders = middle(LeftShoulder, RightShoulder).or_else(|| at(Chest));
     let left = between(RightHip, LeftHip).or_else(|| between(RightShoulder, LeftShoulder));
     let left_of_shoulders = between(RightShoulder, LeftShoulder).or(left);
-    let up = hips
+    let trunk = hips
         .zip(shoulders)
         .map_or(DVec3::Z, |(hips, shoulders)| shoulders - hips);
-    let pelvis = left.and_then(|left| axes(left, up));
-    let chest = left_of_shoulders.and_then(|left| axes(left, up));
+    // The bend of the trunk is at the chest, if it is between hips and shoulders.
+    let parts = hips
+        .zip(shoulders)
+        .zip(at(Chest))
+        .map(|((hips, shoulders), chest)| [chest - hips, shoulders - chest]);
+    let is_long = |part: &DVec3| part.length() > MIN_TRUNK_SHARE * trunk.length();
+    let parts = parts.filter(|parts| parts.iter().all(is_long));
+    let [lower, upper] = parts.unwrap_or([trunk, trunk]);
+    let pelvis = left.and_then(|left| axes(left, lower));
+    let chest = left_of_shoulders.and_then(|left| axes(left, upper));
     if let Some(rotation) = pelvis {
         rotations.insert(Pelvis, rotation);
     }

@@ -36,6 +36,8 @@ pub(super) struct Sizes {
     pub(super) subject_clearance: Vec<(BodyPart, f64)>,
     /// Height of the character's feet over the ground at rest, in its unit.
     pub(super) clearance: Vec<(BodyPart, f64)>,
+    /// Distance of the character's hips less the scaled distance of the subject's.
+    pub(super) wider_hips: f64,
     /// True if the legs of both have the same proportions, so that equal rotations give equal positions of the feet.
     pub(super) are_same: bool,
 }
@@ -106,9 +108,14 @@ impl Sizes {
                 }
             })
         });
+        let width = |at: &dyn Fn(BodyPart) -> Option<DVec3>| {
+            length(at, BodyPart::LeftHip, BodyPart::RightHip)
+        };
+        let widths = width(&of_character).zip(width(&of_subject));
         Self {
             stride,
             leg,
+            wider_hips: widths.map_or(0.0, |(own, subject)| own - stride * subject),
             subject_clearance: clearances(&of_subject, subject, below_ankles[0]),
             clearance: clearances(&of_character, character, below_ankles[1]),
             are_same: are_same && leg > 0.0,

@@ -9,8 +9,11 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Largest number of capture frames among which a reference pose is searched.
 const MAX_SEARCHED_FRAMES: usize = 2000;
-/// Smallest cosine of the angle of legs and spine with the vertical in a rest pose of a person who stands.
+/// Smallest cosine of the angle of legs and spine with the vertical in an upright rest pose.
 const MIN_UPRIGHT: f64 = 0.7;
+
+/// Smallest cosine of the angle between equal directions.
+const MIN_EQUAL: f64 = 0.995;
 
 /// Subject in a reference pose, and the rotation of its captures to z up.
 #[derive(Clone, Debug)]
@@ -34,15 +37,24 @@ pub(super) fn upright_rotation(up: UpAxis, q: DQuat) -> DQuat {
 }
 
 impl ReferencePose {
-    /// Selects the rest pose if the subject stands in it. Otherwise selects the captured pose that is most like
-    /// standing, as for files whose bones at rest are all along one axis.
-    pub(super) fn new(capture: &Capture, up: UpAxis, joints: &BTreeMap<BodyPart, usize>) -> Self {
+    /// Selects the rest pose if the subject is upright in it. Otherwise selects the most upright captured pose, as for
+    /// files whose bones at rest are all along one axis. `character` are the positions of a character at rest: a subject
+    /// with the same rest pose keeps its own.
+    pub(super) fn new(
+        capture: &Capture,
+        up: UpAxis,
+        joints: &BTreeMap<BodyPart, usize>,
+        character: &dyn Fn(BodyPart) -> Option<DVec3>,
+    ) -> Self {
         let upright_of = |positions: &[Vector3<f64>]| -> Vec<DVec3> {
             positions.iter().map(|at| upright(up, *at)).collect()
         };
         if let (Some(posed), Some(rest)) = (capture.posed(), capture.rest()) {
             let positions = upright_of(rest);
-            if uprightness(&positions, joints) >= MIN_UPRIGHT {
+            let subject =
+                |part: BodyPart| joints.get(&part).and_then(|joint| positions.get(*joint));
+            let is_same = have_equal_directions(&|part| subject(part).copied(), character);
+            if is_same || uprightness(&positions, joints) >= MIN_UPRIGHT {
                 return Self {
                     up,
                     positions,
@@ -75,20 +87,34 @@ impl ReferencePose {
     }
 }
 
-/// Returns the smallest cosine of the angles between the vertical and the limbs of the legs and the trunk: 1 for a
-/// person who stands upright.
+/// Limbs of the legs and the trunk, downwards.
+const LIMBS: [(BodyPart, BodyPart); 6] = [
+    (BodyPart::LeftHip, BodyPart::LeftKnee),
+    (BodyPart::LeftKnee, BodyPart::LeftAnkle),
+    (BodyPart::RightHip, BodyPart::RightKnee),
+    (BodyPart::RightKnee, BodyPart::RightAnkle),
+    (BodyPart::Chest, BodyPart::Pelvis),
+    (BodyPart::Head, BodyPart::Pelvis),
+];
+
+/// Returns whether the limbs of two bodies have equal directions.
+fn have_equal_directions(
+    first: &dyn Fn(BodyPart) -> Option<DVec3>,
+    second: &dyn Fn(BodyPart) -> Option<DVec3>,
+) -> bool {
+    let direction =
+        |at: &dyn Fn(BodyPart) -> Option<DVec3>, from, to| (at(to)? - at(from)?).try_normalize();
+    LIMBS.iter().all(|(from, to)| {
+        let directions = (direction(first, *from, *to), direction(second, *from, *to));
+        matches!(directions, (Some(a), Some(b)) if a.dot(b) > MIN_EQUAL)
+    })
+}
+
+/// Returns the smallest cosine of the angles between the vertical and the limbs of the legs and the trunk: 1 for an
+/// upright person.
 fn uprightness(positions: &[DVec3], joints: &BTreeMap<BodyPart, usize>) -> f64 {
-    use BodyPart::*;
     let at = |part: BodyPart| joints.get(&part).and_then(|joint| positions.get(*joint));
-    let limbs = [
-        (LeftHip, LeftKnee),
-        (LeftKnee, LeftAnkle),
-        (RightHip, RightKnee),
-        (RightKnee, RightAnkle),
-        (Chest, Pelvis),
-        (Head, Pelvis),
-    ];
-    let cosines = limbs.iter().filter_map(|(from, to)| {
+    let cosines = LIMBS.iter().filter_map(|(from, to)| {
         let along = (*at(*to)? - *at(*from)?).try_normalize()?;
         Some(-along.z)
     });

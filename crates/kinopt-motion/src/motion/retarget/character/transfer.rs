@@ -23,6 +23,8 @@ use kinopt_kinematics::spatial::Vector3;
 /// Length of a leg, relative to its full length, up to which it extends for a foot's target. A subject's straight leg
 /// stays straight.
 const MAX_EXTENSION: f64 = 0.985;
+/// Level of contact that keeps the ankle of a free foot at its place.
+const MIN_CONTACT_LEVEL: f64 = 1e-4;
 /// Largest distance by which the hips are lowered for the feet, relative to the leg.
 const MAX_DROP: f64 = 0.25;
 /// Quantile of the heights of the lowest foot that counts as the ground.
@@ -42,13 +44,35 @@ pub(in super::super) struct SubjectFrame<'a> {
 pub(super) struct FootTarget {
     pub(super) ankle: DVec3,
     pub(super) toe: Option<DVec3>,
-    /// Contact of the toe while the heel is off the ground, from 0 (none) to 1.
-    pub(super) on_toe: f64,
+}
+
+impl FootTarget {
+    /// Returns the target at the foot's length from the ankle to the toe. Of a contact and a free point the free one
+    /// moves. The levels of contact are from 0 (free) to 1.
+    pub(super) fn with_length(
+        ankle: DVec3,
+        toe: Option<DVec3>,
+        length: f64,
+        [ankle_level, toe_level]: [f64; 2],
+    ) -> Self {
+        let Some(place) = toe else {
+            return Self { ankle, toe };
+        };
+        let hold = |level: f64| level / (1.0 + MIN_CONTACT_LEVEL - level);
+        let (at_ankle, at_toe) = (hold(ankle_level) + MIN_CONTACT_LEVEL, hold(toe_level));
+        let along = place - ankle;
+        let excess = along - along.normalize_or(DVec3::Y) * length;
+        let toe_share = at_ankle / (at_ankle + at_toe);
+        Self {
+            ankle: ankle + excess * (1.0 - toe_share),
+            toe: Some(place - excess * toe_share),
+        }
+    }
 }
 
 /// Source of a bone's rotation, with its aligned rest rotation.
 #[derive(Clone, Debug)]
-struct Rig {
+struct BoneRig {
     relation: Correspondence,
     /// Rotation of each bone in the aligned rest pose.
     rest: Vec<DQuat>,
@@ -70,9 +94,9 @@ pub(super) struct CharacterTransfer {
     pub(super) bones: Vec<CharacterBone>,
     reference: ReferencePose,
     /// Relation of captures with rotations.
-    posed: Option<Rig>,
+    posed: Option<BoneRig>,
     /// Relation of captures with positions only.
-    positioned: Rig,
+    positioned: BoneRig,
     /// Rotations of the character's parts at rest, by their positions.
     part_rest: BTreeMap<BodyPart, DQuat>,
     pub(super) sizes: Sizes,
@@ -101,7 +125,13 @@ impl CharacterTransfer {
             .collect();
         let parts: Vec<Option<BodyPart>> = drives.iter().map(|(.., part)| *part).collect();
         let positioned = Correspondence::new(&tree, None, &pairs, &parts);
-        let reference = ReferencePose::new(capture, up, &positioned.joints);
+        let at_rest = |part: BodyPart| {
+            positioned
+                .bones
+                .get(&part)
+                .map(|bone| bones[*bone].position)
+        };
+        let reference = ReferencePose::new(capture, up, &positioned.joints, &at_rest);
         let source = capture.posed().map(|posed| {
             JointTree::new(
                 capture.names().to_vec(),
@@ -114,14 +144,8 @@ impl CharacterTransfer {
             let aligned = alignments(&bones, &tree, Some(source), &reference.positions, &relation);
             let rest = bones.iter().zip(aligned);
             let rest = rest.map(|(bone, aligned)| (aligned * bone.rest).normalize());
-            Rig::new(&bones, relation, rest.collect())
+            BoneRig::new(&bones, relation, rest.collect())
         });
-        let at_rest = |part: BodyPart| {
-            positioned
-                .bones
-                .get(&part)
-                .map(|bone| bones[*bone].position)
-        };
         let part_rest = part_rotations(&at_rest);
         let below = |tree: &JointTree, parts: &BTreeMap<BodyPart, usize>| -> Vec<usize> {
             let ankles = LEGS.iter().filter_map(|[.., ankle, _]| parts.get(ankle));
@@ -141,7 +165,7 @@ impl CharacterTransfer {
             ],
         );
         let at_rest = bones.iter().map(|bone| bone.rest).collect();
-        let positioned = Rig::new(&bones, positioned, at_rest);
+        let positioned = BoneRig::new(&bones, positioned, at_rest);
         let mut transfer = Self {
             bones,
             reference,
@@ -201,10 +225,22 @@ impl CharacterTransfer {
     /// Scaled place of a part of a foot over the character's ground.
     pub(super) fn foot_place(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
         let position = self.captured(part, frame)? - DVec3::Z * self.ground;
-        Some(position * self.sizes.stride + DVec3::Z * self.sizes.rise(part))
+        let place = position * self.sizes.stride + DVec3::Z * self.sizes.rise(part);
+        Some(place + self.stance_shift(part, frame).unwrap_or(DVec3::ZERO))
     }
 
-    /// Height of a part of a foot over the ground when the character stands.
+    /// Sideways shift of a foot for a character whose hips are wider or narrower than the scaled subject's, so that its
+    /// legs keep their directions.
+    fn stance_shift(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
+        let [[left, ..], [right, ..]] = LEGS;
+        let across = self.captured(left, frame)? - self.captured(right, frame)?;
+        let level = DVec3::new(across.x, across.y, 0.0);
+        let side = if LEGS[0].contains(&part) { 0.5 } else { -0.5 };
+        let direction = level.normalize_or_zero() * side;
+        Some(direction * self.sizes.wider_hips)
+    }
+
+    /// Height of a part of a foot over the ground at rest.
     pub(super) fn clearance(&self, part: BodyPart) -> f64 {
         let found = self
             .sizes
@@ -212,6 +248,15 @@ impl CharacterTransfer {
             .iter()
             .find(|(known, _)| *known == part);
         found.map_or(0.0, |(_, height)| *height)
+    }
+
+    /// Distance from the ankle to the toe of a leg; 0 without a toe.
+    pub(super) fn foot_length(&self, leg: &[BodyPart; 4]) -> f64 {
+        let at = |part: BodyPart| self.bone(part).map(|bone| self.bones[bone].position);
+        let [ankle, toe] = [at(leg[2]), at(leg[3])];
+        ankle
+            .zip(toe)
+            .map_or(0.0, |(ankle, toe)| ankle.distance(toe))
     }
 
     /// Scaled place of the middle of the hips; of the pelvis without legs.
@@ -245,7 +290,7 @@ impl CharacterTransfer {
     }
 
     /// Rotation of each captured joint from the reference pose, with z up.
-    fn deltas(&self, frame: SubjectFrame<'_>) -> (Vec<DQuat>, &Rig) {
+    fn deltas(&self, frame: SubjectFrame<'_>) -> (Vec<DQuat>, &BoneRig) {
         let joints = frame.positions.len();
         if let (Some(rig), Some(rotations), Some(reference)) =
             (&self.posed, frame.rotations, &self.reference.rotations)
@@ -317,7 +362,7 @@ impl CharacterTransfer {
     /// Rotates and places all bones, with corrections in the world after their transferred rotations.
     fn solve(
         &self,
-        rig: &Rig,
+        rig: &BoneRig,
         deltas: &[DQuat],
         corrections: &[DQuat],
         previous: Option<&[[f64; 3]]>,
@@ -376,7 +421,13 @@ impl CharacterTransfer {
     }
 
     /// Rotates twist bones, which depend on the ends of their limbs.
-    fn twist(&self, rig: &Rig, base: DQuat, previous: Option<&[[f64; 3]]>, pose: &mut BonePose) {
+    fn twist(
+        &self,
+        rig: &BoneRig,
+        base: DQuat,
+        previous: Option<&[[f64; 3]]>,
+        pose: &mut BonePose,
+    ) {
         for bone in 0..self.bones.len() {
             let turn = match rig.relation.motions[bone] {
                 BoneMotion::TwistToEnd {
@@ -422,7 +473,7 @@ impl CharacterTransfer {
     /// Rotates the bones of spine and neck so that the trunk has the subject's direction. Returns whether it changed.
     fn correct_trunk(
         &self,
-        rig: &Rig,
+        rig: &BoneRig,
         frame: SubjectFrame<'_>,
         pose: &BonePose,
         corrections: &mut [DQuat],
@@ -463,7 +514,7 @@ impl CharacterTransfer {
             };
             let full = hip.distance(knee) + knee.distance(ankle);
             let reach = (MAX_EXTENSION * full).max(hip.distance(ankle));
-            let place = self.ankle_target(leg, target, pose);
+            let place = target.ankle;
             let level = DVec3::new(place.x - hip.x, place.y - hip.y, 0.0).length();
             let height = (reach * reach - level * level).max(0.0).sqrt();
             lowered = lowered.max(hip.z - place.z - height);
@@ -475,17 +526,6 @@ impl CharacterTransfer {
     fn leg_positions(&self, leg: &[BodyPart; 4], pose: &BonePose) -> Option<[DVec3; 3]> {
         let at = |part: BodyPart| self.bone(part).map(|bone| pose.positions[bone]);
         Some([at(leg[0])?, at(leg[1])?, at(leg[2])?])
-    }
-
-    /// Target of the ankle. While only the toe is in contact, the toe stays at its place.
-    fn ankle_target(&self, leg: &[BodyPart; 4], target: &FootTarget, pose: &BonePose) -> DVec3 {
-        let [ankle, toe] = [leg[2], leg[3]].map(|part| self.bone(part));
-        let (Some(ankle), Some(toe), Some(place)) = (ankle, toe, target.toe) else {
-            return target.ankle;
-        };
-        let foot = (pose.positions[ankle] - pose.positions[toe]).length();
-        let from_toe = place + (target.ankle - place).normalize_or_zero() * foot;
-        target.ankle.lerp(from_toe, target.on_toe)
     }
 
     /// Bends a leg so that its ankle reaches the target.
@@ -503,7 +543,7 @@ impl CharacterTransfer {
             return;
         };
         let forward = self.forward(hip, pose);
-        let rotation = leg_rotation(joints, self.ankle_target(leg, target, pose), forward);
+        let rotation = leg_rotation(joints, target.ankle, forward);
         for (bone, correction) in corrections.iter_mut().enumerate() {
             let is_on = |below: usize| bone == below || self.is_below(bone, below);
             if is_on(ankle) || !is_on(hip) {
@@ -551,7 +591,7 @@ impl CharacterTransfer {
     }
 }
 
-impl Rig {
+impl BoneRig {
     fn new(bones: &[CharacterBone], relation: Correspondence, rest: Vec<DQuat>) -> Self {
         let base = base_motion(bones, &relation, &rest);
         Self {
