@@ -150,6 +150,7 @@ pub use nalgebra;
 #[doc = include_str!("../docs/guide/postures.md")]
 #[doc = include_str!("../docs/guide/priorities.md")]
 #[doc = include_str!("../docs/guide/residuals.md")]
+#[doc = include_str!("../docs/guide/retargeting-robots.md")]
 #[doc = include_str!("../docs/guide/retargeting.md")]
 #[doc = include_str!("../docs/guide/scores.md")]
 #[doc = include_str!("../docs/guide/servo.md")]

@@ -91,7 +91,15 @@ from .errors import (
 
 from .motion import Contact
 from .placements import placement
-from .retargeting import MotionScore, RetargetFollower, RetargetReport, guess_map, retarget, score
+from .retargeting import (
+    MotionScore,
+    RetargetFollower,
+    RetargetReport,
+    guess_map,
+    retarget,
+    retarget_hand,
+    score,
+)
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -184,6 +192,7 @@ __all__ = [
     "guess_map",
     "interpolate",
     "retarget",
+    "retarget_hand",
     "retargeting",
     "score",
     "solve_path",

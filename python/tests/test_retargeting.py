@@ -171,25 +171,23 @@ def test_capture_file_and_its_clip_are_equal(nao: kinopt.Robot, tmp_path: Path) 
 def test_shipped_capture_has_a_map(nao: kinopt.Robot) -> None:
     names, positions = person()
     guess = kinopt.guess_map(Capture(positions, names, 30), nao)
-    assert (guess.skeleton, guess.body) == ("smpl", "nao")
+    assert (guess.skeleton, guess.body) == ("smpl", None)
     # Its toes are in front of its ankles, unlike the frames of its feet.
     assert guess.map["drives"]["left_foot"]["offset"][0] > 0
 
 
 def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
     names, positions = person()
-    # With a renamed link the body is not recognised.
+    # The names of links do not matter: the robot's tree has its parts.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
     nao = kinopt.Robot.from_urdf_text(text, "stranger.urdf", base_joint="free")
     guess = kinopt.guess_map(Capture(positions, names, 30), nao)
     assert guess.skeleton == "smpl" and guess.body is None
     drives = guess.map["drives"]
     assert drives["left_knee"] == "left_calf" and drives["left_wrist"] == "left_wrist"
-    assert drives["left_ankle"] == "left_ankle"
-    # SMPL's feet are toes, and the robot's feet are at its ankles: both would drive one point.
-    assert "left_foot" not in drives
-    assert "left_toe: `left_foot` is where `left_ankle` is, so it is left out" in guess.notes
-    assert any(note.startswith("chest") for note in guess.notes)
+    assert drives["left_ankle"] == "left_foot"
+    # SMPL's feet are toes, and the robot's are in front of its ankles.
+    assert drives["left_foot"]["frame"] == "left_foot" and drives["left_foot"]["offset"][0] > 0.03
     by_name = kinopt.retarget(positions, nao, "smpl", fps=30)
     assert by_name.report.map == guess.map and by_name.report.notes == guess.notes
     lying = kinopt.guess_map(Capture(positions, names, 30, "y"), nao)
@@ -496,3 +494,27 @@ def test_up_axis_is_detected(tmp_path: Path) -> None:
     given = kinopt.retarget(turned, nao, joints=joints, fps=30, up="z")
     assert given.report.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
     assert "the body is upright along y, but the upward axis is z" in given.report.notes
+
+
+def test_terrain_raises_and_tilts_a_motion(nao: kinopt.Robot, tmp_path: Path) -> None:
+    steps = MODELS / "captures" / "steps.bvh"
+    level = kinopt.retarget(steps, nao, fps=10)
+    plate = {"patches": [{"centre": [0, 0, 0.25], "size": [50, 50]}]}
+    raised = kinopt.retarget(steps, nao, fps=10, terrain=plate)
+    assert np.allclose(raised.q[:, 2], level.q[:, 2] + 0.25, atol=2e-3)
+    (tmp_path / "plate.json").write_text(json.dumps(plate))
+    assert np.array_equal(kinopt.retarget(steps, nao, fps=10, terrain=tmp_path / "plate.json").q, raised.q)
+    with pytest.raises(kinopt.KinoptError, match="size"):
+        kinopt.retarget(steps, nao, fps=10, terrain={"patches": [{"centre": [0, 0, 0], "size": [0, 1]}]})
+
+
+def test_object_moves_with_the_hands(nao: kinopt.Robot) -> None:
+    capture = read_capture(MODELS / "captures" / "steps.bvh", fps=10)
+    hands = [capture.positions[:, capture.joints.index(f"{side}Hand")] for side in ("Left", "Right")]
+    poses = np.concatenate([np.mean(hands, axis=0), np.tile([1.0, 0, 0, 0], (len(capture), 1))], axis=1)
+    radius = float(np.linalg.norm(hands[0] - hands[1], axis=1).min() / 2)
+    held = {"shape": {"ball": radius}, "poses": poses, "model_shape": {"ball": 0.08}}
+    motion = kinopt.retarget(capture, nao, held_object=held)
+    assert motion.report.object_poses.shape == (len(capture), 7)
+    with pytest.raises(kinopt.KinoptError, match="3 poses"):
+        kinopt.retarget(capture, nao, held_object={**held, "poses": poses[:3]})

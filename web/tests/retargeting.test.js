@@ -54,14 +54,14 @@ test("a follower works by frame, a whole motion reports progress", () => {
     const follower = new RetargetFollower(robot, clip, undefined, { fps: 30, contactSpeed: 0.06 });
     assert.deepEqual(follower.joints, armature.names);
     assert.equal(follower.up, "y");
-    assert.equal(JSON.parse(follower.map).drives.LeftFoot.frame ?? JSON.parse(follower.map).drives.LeftFoot, "left_ankle");
+    assert.equal(JSON.parse(follower.map).drives.LeftFoot.frame ?? JSON.parse(follower.map).drives.LeftFoot, "left_foot");
     const { lower, upper } = robot.model;
     const ankles = [];
     const heights = [];
     for (let frame = 0; frame <= 180; frame += 1) {
         const q = follower.step(armature.places(clip.sample(frame / 30)));
         assert.ok(q.every((value, k) => lower[k] <= value && value <= upper[k]));
-        ankles.push(framePlacement(robot.model, "left_ankle", q).slice(12, 15));
+        ankles.push(framePlacement(robot.model, "left_foot", q).slice(12, 15));
         heights.push(framePlacement(robot.model, "torso", q)[14]);
     }
     // The left foot is in contact from 2.1 s on, after its steps to the side and back.

@@ -53,6 +53,11 @@ impl MapOptions {
 }
 
 impl MapArgument {
+    /// File or name of the map, if given.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.map.as_deref()
+    }
+
     /// Reads the body map for the target file.
     pub(crate) fn read(&self, target: &Path) -> Outcome<MapChoice> {
         let Some(given) = &self.map else {
@@ -153,7 +158,10 @@ fn report_parts(file: &str, guess: &MapGuess) {
         guess.map.drives.len(),
         BodyPart::ALL.len(),
         source(guess.skeleton, "joints' names"),
-        source(guess.body, "frames' names"),
+        match guess.from_tree {
+            true => "the robot's tree".to_owned(),
+            false => source(guess.body, "frames' names"),
+        },
     ));
 }
 

@@ -3,9 +3,11 @@
 mod collision_avoidance;
 pub(crate) mod contact_options;
 mod folder;
+mod hand;
 pub(crate) mod map_choice;
 mod movement_file;
 pub(crate) mod source;
+mod surroundings;
 mod target;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +27,7 @@ use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::FormatChoice;
 use self::source::{SourceOptions, Up};
+use self::surroundings::{Surroundings, SurroundingsOptions};
 use self::target::Target;
 use crate::choices::first_given;
 use crate::failure::Outcome;
@@ -72,6 +75,13 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     contacts: ContactOptions,
+
+    /// Robot hand: fingertips follow. SIDE selects a hand of a body.
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, default_missing_value = "", require_equals = true)]
+    hand: Option<String>,
+
+    #[command(flatten)]
+    surroundings: SurroundingsOptions,
 
     #[command(flatten)]
     avoidance: AvoidanceOptions,
@@ -170,6 +180,7 @@ struct Job<'a> {
     avoidance: Option<CollisionAvoidance>,
     /// Shapes of the feet. Meshes whose files are missing are left out.
     shapes: FootShapes,
+    surroundings: Surroundings,
     map: MapChoice,
     format: TrajectoryFormat,
     /// Collision shapes in words, if they are not the default.
@@ -186,6 +197,7 @@ impl<'a> Job<'a> {
             arguments,
             avoidance: arguments.avoidance.of(&target, &problem.collisions)?,
             shapes: FootShapes::of_files(&target.robot),
+            surroundings: arguments.surroundings.read()?,
             target,
             map,
             format,
@@ -196,6 +208,7 @@ impl<'a> Job<'a> {
     fn options(&self) -> RetargetOptions {
         RetargetOptions::default()
             .with_shapes(self.shapes.clone())
+            .with_terrain(self.surroundings.terrain.clone())
             .with_contacts(self.arguments.contacts.detection())
     }
 
@@ -213,6 +226,12 @@ impl<'a> Job<'a> {
         if self.arguments.is_qpos() {
             query.more.push("qpos".to_owned());
         }
+        query.more.extend(
+            self.surroundings
+                .object
+                .as_ref()
+                .map(|object| format!("{object:?}")),
+        );
         if self.format == TrajectoryFormat::Csv && self.arguments.header {
             query.more.push("header".to_owned());
         }
@@ -246,6 +265,10 @@ impl<'a> Job<'a> {
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
         self.target.report_up_axis(fitted.model_stands_along());
         let stride = fitted.stride();
+        if let Some(object) = &self.surroundings.object {
+            let held = fitted.with_object(object, &read.capture);
+            fitted = held.map_err(|error| self.map.failed(&file, &error))?;
+        }
         if let Some(avoidance) = &self.avoidance {
             fitted = fitted.keep_clear(&avoidance.at_stride(stride)?);
         }
@@ -256,10 +279,7 @@ impl<'a> Job<'a> {
         let retargeted = retargeted.map_err(|error| self.map.failed(&file, &error))?;
         report_contacts(&file, &retargeted);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();
-        let layout = match self.arguments.is_qpos() {
-            true => TableLayout::Mujoco,
-            false => TableLayout::Lafan1,
-        };
+        let layout = self.arguments.layout();
         let options = (self.arguments.header, layout);
         movement_file::write(self.format, &self.target, &retargeted, &name, options, out)?;
         Ok(Clip {
@@ -285,6 +305,14 @@ impl Arguments {
     /// True if configurations are written as MuJoCo's `qpos`.
     fn is_qpos(&self) -> bool {
         self.format == Some(FormatChoice::Qpos)
+    }
+
+    /// Layout of configurations in files.
+    fn layout(&self) -> TableLayout {
+        match self.is_qpos() {
+            true => TableLayout::Mujoco,
+            false => TableLayout::Lafan1,
+        }
     }
 
     /// Prints or saves the map.
@@ -328,6 +356,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let Some(out) = arguments.out.as_deref() else {
         return Ok(());
     };
+    if arguments.hand.is_some() {
+        return hand::run(arguments, out, json);
+    }
     if folder {
         return folder::run(arguments, out, json);
     }

@@ -9,6 +9,7 @@ from __future__ import annotations
 from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
+from .hand import HandReport, HandRetargetFollower, retarget_hand
 from .maps import MapGuess, guess_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching, to_clip
 from .retarget import retarget
@@ -22,6 +23,8 @@ __all__ = [
     "FigureTarget",
     "FootMotion",
     "LimitExcess",
+    "HandReport",
+    "HandRetargetFollower",
     "LostContact",
     "LimitMet",
     "MapGuess",
@@ -35,6 +38,7 @@ __all__ = [
     "read_capture",
     "retarget",
     "retarget_folder",
+    "retarget_hand",
     "score",
     "to_clip",
 ]

@@ -88,6 +88,8 @@ class RetargetReport:
     """The map in use."""
     notes: list[str]
     """Notes on a guessed map, for review, and on an upward axis of the target other than z."""
+    object_poses: Floats
+    """Pose of the held object in each frame, shape (T, 7): metres, quaternion w, x, y, z; shape (0, 7) without one."""
     capture: Capture
     """The capture."""
 

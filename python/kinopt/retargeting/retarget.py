@@ -17,6 +17,7 @@ from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching
 from .score_report import score_of_json
 from .sources import Source, read_capture
+from .surroundings import HeldObjectLike, TerrainLike, held_object_json, terrain_json
 from .targets import Target, TargetLike, read_target
 
 
@@ -84,6 +85,8 @@ def retarget(
     contact_speed: float | None = None,
     contact_height: float | None = None,
     acceleration: float | None = None,
+    terrain: TerrainLike | None = None,
+    held_object: HeldObjectLike | None = None,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Trajectory[RetargetReport]:
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
@@ -111,6 +114,13 @@ def retarget(
     avoid collisions with, and with itself, by ``margin``. It is in metres at the scale of the robot; obstacles of the
     subject scale by ``stride``. Feet are in contact with obstacles as with the ground.
 
+    ``terrain`` moves the motion onto steps and slopes, in metres in the world of the target: a dict ``{"patches":
+    [{"centre": [x, y, z], "size": [along, across], "heading": 0.0, "slope": 0.0}]}``, or its .json file. Feet tilt with
+    the ground (angles in radians), and heights follow it. ``held_object`` is a box or a ball that the subject holds:
+    ``{"shape": {"box": [x, y, z]}, "poses": (T, 7)}`` with x, y, z, quaternion w, x, y, z of its centre in each frame, in
+    the unit and axes of the capture, or ``{"shape": {"ball": radius}, ...}``. Hands near it keep their places on the
+    target's object, whose shape is ``model_shape`` (else scaled by ``stride``) and whose poses are ``object_poses``.
+
     ``progress``: True shows a tqdm bar; a function is called with the number of finished frames and of all frames.
     Ctrl-C interrupts the computation. The GIL is released.
 
@@ -131,6 +141,8 @@ def retarget(
         keep_clear=keep_clear,
         world=world,
         margin=margin,
+        terrain=terrain_json(terrain),
+        held_object=held_object_json(held_object),
     )
     with naming(map):
         parts = capture_retargeted(
@@ -141,7 +153,7 @@ def retarget(
             request.options,
             bars.bar() if progress is True else progress or None,
         )
-    q, names, contacts, (contact_frames, contact_points), angles, limbs, scalars, score, limits, touching, lost_contacts, base = parts
+    q, names, contacts, (contact_frames, contact_points), (angles, limbs), scalars, score, limits, touching, lost_contacts, base, object_poses = parts
     stands_along, has_fixed_base = base
     slip, ground_penetration, stride = scalars
     notes = list(request.notes)
@@ -165,6 +177,7 @@ def retarget(
         touching=[Touching(*pair) for pair in touching],
         map=request.map,
         notes=notes,
+        object_poses=object_poses,
         capture=request.capture,
     )
     # A file cannot be pickled, its figure can.

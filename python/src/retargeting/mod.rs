@@ -3,6 +3,7 @@
 mod capture;
 pub(crate) mod figure_target;
 mod folder;
+mod hand;
 mod live;
 mod maps;
 mod movement;
@@ -22,6 +23,7 @@ pub(crate) mod retargeting {
         capture::Capture,
         figure_target::FigureTarget,
         folder::{folder_begun, unfinished},
+        hand::{LiveHand, hand_map_guessed, hand_retargeted},
         live::Live,
         maps::{map_completed, map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,

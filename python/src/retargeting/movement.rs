@@ -8,6 +8,7 @@ use std::time::Duration;
 use kinopt::motion::retarget::{RetargetError, UpAxis};
 use kinopt::motion::trajectory::MotionBound;
 use kinopt::solver::Side;
+use kinopt::spatial::{Placement, Quaternion};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,14 +24,14 @@ type MovementParts<'py> = (
     Vec<String>,
     Bound<'py, PyAny>,
     (Vec<String>, Bound<'py, PyArray2<f64>>),
-    Bound<'py, PyArray2<f64>>,
-    Vec<String>,
+    (Bound<'py, PyArray2<f64>>, Vec<String>),
     (f64, f64, f64),
     String,
     Vec<(String, &'static str, usize, usize)>,
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String)>,
     (Option<&'static str>, bool),
+    Bound<'py, PyArray2<f64>>,
 );
 
 /// Time between two checks for signals.
@@ -94,6 +95,14 @@ fn while_listening<T: Send>(
     })
 }
 
+/// Position and quaternion w, x, y, z of a pose.
+fn pose_numbers(pose: &Placement<f64>) -> [f64; 7] {
+    let [x, y, z] = pose.translation.to_array();
+    let rotation = Quaternion::from_matrix(&pose.rotation);
+    let [i, j, k] = rotation.v.to_array();
+    [x, y, z, rotation.w, i, j, k]
+}
+
 /// Retargets a capture to a target by a map (JSON).
 #[pyfunction]
 pub(super) fn capture_retargeted<'py>(
@@ -123,6 +132,7 @@ pub(super) fn capture_retargeted<'py>(
         let limbs = retargeting.limbs();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
+        let object = retargeting.object_poses().to_vec();
         Ok((
             retargeted,
             angles,
@@ -131,9 +141,11 @@ pub(super) fn capture_retargeted<'py>(
             stride,
             up,
             has_fixed_base,
+            object,
         ))
     })?;
-    let (retargeted, angles, limits, limbs, stride, up, has_fixed_base) = retargeted;
+    let (retargeted, angles, limits, limbs, stride, up, has_fixed_base, object) = retargeted;
+    let object_poses: Vec<f64> = object.iter().flat_map(pose_numbers).collect();
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
             (MotionBound::Speed, Side::Lower) => "speed down",
@@ -164,8 +176,10 @@ pub(super) fn capture_retargeted<'py>(
             report.contact_frames,
             arrays::list(py, &contact_points).reshape([report.contact_points.len(), 3])?,
         ),
-        arrays::list(py, &angles).reshape([frames, limbs.len()])?,
-        limbs.into_iter().map(str::to_owned).collect(),
+        (
+            arrays::list(py, &angles).reshape([frames, limbs.len()])?,
+            limbs.into_iter().map(str::to_owned).collect(),
+        ),
         (report.slip, report.ground_penetration, stride),
         serde_json::to_string(&report.score).or_raise()?,
         limits.collect(),
@@ -175,5 +189,6 @@ pub(super) fn capture_retargeted<'py>(
             up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
             has_fixed_base,
         ),
+        arrays::list(py, &object_poses).reshape([object.len(), 7])?,
     ))
 }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use kinopt::collision::{self, Checker};
 use kinopt::motion::retarget::{
-    self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
+    self, BodyMap, FootShapes, HeldObject, RetargetError, RetargetOptions, Retargeting, Terrain,
+    UpAxis,
 };
 use kinopt::robot::Robot;
 use kinopt_bindings::{Arguments, Classify, Value, coordinates, option};
@@ -125,6 +126,14 @@ pub(super) struct RetargetRequest {
     map: BodyMap,
     options: RetargetOptions,
     checker: Option<Checker>,
+    object: Option<HeldObject>,
+}
+
+/// Text of an option in JSON.
+fn json(options: &Options<'_, '_>, name: &str) -> PyResult<Option<String>> {
+    let value = options.0.get_item(name)?;
+    let value = value.filter(|value| !value.is_none());
+    value.map(|value| value.extract()).transpose()
 }
 
 impl RetargetRequest {
@@ -139,7 +148,17 @@ impl RetargetRequest {
         let requested = Options(requested);
         let mut options = retarget_options(&requested, capture.get().up)?;
         options.shapes = foot_shapes_of(target);
+        let terrain = json(&requested, "terrain")?;
+        options.terrain = terrain
+            .map(|text| Terrain::from_json(&text))
+            .transpose()
+            .map_err(raised)?;
+        let object = json(&requested, "held_object")?;
         Ok(Self {
+            object: object
+                .map(|text| HeldObject::from_json(&text))
+                .transpose()
+                .map_err(raised)?,
             capture: Arc::clone(&capture.get().inner),
             map: read_map(map, &robot)?,
             checker: checker_of(target, &requested)?,
@@ -155,6 +174,10 @@ impl RetargetRequest {
         let fitted = match &self.character {
             Some(figure) => Retargeting::onto_character(figure, &self.map, &self.capture, options)?,
             None => Retargeting::new(&self.robot, &self.map, &self.capture, options)?,
+        };
+        let fitted = match &self.object {
+            Some(object) => fitted.with_object(object, &self.capture)?,
+            None => fitted,
         };
         Ok(match &self.checker {
             Some(checker) => fitted.keep_clear(checker),

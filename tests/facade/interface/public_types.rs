@@ -119,6 +119,10 @@ each! { value:
     motion::score::Heading, motion::score::JerkScore, motion::score::LimbAngle, motion::score::LimitExcess,
     motion::score::LostSubjectContact, motion::score::MotionScore, motion::score::MotionScorer<'static>,
     motion::score::ScoreTerm, motion::score::ScoreWeights, motion::score::Spread,
+    motion::retarget::Touching, motion::retarget::UpAxis, motion::retarget::Terrain, motion::retarget::TerrainPatch,
+    motion::retarget::HeldObject, motion::retarget::ObjectShape, motion::retarget::Finger, motion::retarget::FingerDrive,
+    motion::retarget::HandMap, motion::retarget::HandReport, motion::retarget::HandRetargeting<'static>,
+    motion::retarget::HandFollower,
 }
 
 each! { value:

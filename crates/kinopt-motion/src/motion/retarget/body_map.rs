@@ -203,7 +203,7 @@ impl DriveText {
         }
     }
 
-    fn of(drive: &Drive) -> Self {
+    pub(super) fn of(drive: &Drive) -> Self {
         let full = DriveInFull {
             frame: drive.frame.clone(),
             offset: drive.offset.to_array(),

@@ -169,6 +169,15 @@ pub enum RetargetError {
         /// Markers of the file.
         markers: String,
     },
+    /// The text of a terrain is invalid.
+    #[error("terrain: {0}")]
+    Terrain(String),
+    /// The hand of the capture or of the robot is invalid.
+    #[error("hand: {0}")]
+    Hand(String),
+    /// A held object is invalid.
+    #[error("object: {0}")]
+    Object(String),
     /// The text of a map is invalid.
     #[error("{0}")]
     Map(String),

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use glam::DQuat;
 
 use super::character::{CharacterFollower, SubjectFrame};
+use super::frame_targets::FrameTargets;
 use super::limbs::Limbs;
 use super::{BodyFollower, RetargetError, Retargeting};
 use crate::motion::ContactDetection;
@@ -25,6 +26,7 @@ pub struct LiveFollower {
     frame_rate: f64,
     joints: usize,
     positions: Vec<Vector3<f64>>,
+    directions: Vec<Vector3<f64>>,
     /// Previous targets of the driven points, the last ones at the end.
     history: VecDeque<Vec<Vector3<f64>>>,
     /// Number of capture frames for which each point has been still.
@@ -48,6 +50,7 @@ impl Retargeting<'_> {
             frame_rate: self.frame_rate,
             joints: self.joints,
             positions: Vec::with_capacity(driven),
+            directions: Vec::new(),
             history: VecDeque::with_capacity(SPEED_WINDOW),
             still_frames: vec![0; driven],
             contact_levels: vec![0.0; driven],
@@ -99,8 +102,8 @@ impl LiveFollower {
     /// Retargets the next capture frame with the rotations of its joints, and returns its configuration.
     ///
     /// `rotations` are unit quaternions w, x, y, z from the joints to the capture's world, as in
-    /// [`JointRotations`](super::JointRotations). Characters use them if the capture has rotations, robots do not. If a
-    /// number is not finite, the configuration stays unchanged.
+    /// [`JointRotations`](super::JointRotations). They are used if the capture has rotations. If a number is not finite,
+    /// the configuration stays unchanged.
     ///
     /// # Errors
     /// Returns an error if the number of joints or rotations is wrong.
@@ -147,10 +150,19 @@ impl LiveFollower {
             });
             return Ok(self.q());
         }
-        self.limbs.write_targets(captured, &mut self.positions);
+        self.limbs
+            .write_targets(captured, rotations, &mut self.positions);
+        self.directions.clear();
+        self.limbs
+            .write_directions(captured, rotations, &mut self.directions);
         self.detect_contacts();
-        self.follower
-            .follow(&self.positions, &self.contact_levels)?;
+        self.follower.follow(&FrameTargets {
+            positions: &self.positions,
+            directions: &self.directions,
+            contacts: &self.contact_levels,
+            grasps: &[],
+            grounds: &[],
+        })?;
         Ok(self.follower.q())
     }
 

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::anatomy::{Anatomy, JointTree, recognise};
 use super::body_map::DriveText;
+use super::body_structure::parts_of_structure;
 use super::human_bones::{HumanBones, parts_of_table};
 use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
@@ -32,6 +33,8 @@ pub struct MapGuess {
     pub skeleton: Option<&'static str>,
     /// Built-in body that matches the model.
     pub body: Option<&'static str>,
+    /// True if the model's parts are those of its kinematic tree, independent of its names.
+    pub from_tree: bool,
     /// Axis, y or z, along which the body is upright, if its parts determine it.
     pub up: Option<UpAxis>,
     /// Warnings: a map without assignments, parts missing on one side, and implausible proportions.
@@ -226,6 +229,7 @@ impl BodyMap {
             map: self,
             skeleton: None,
             body: None,
+            from_tree: false,
             up,
             notes: Proportions::of(capture, &parts).warnings(),
         })
@@ -275,14 +279,25 @@ impl BodyMap {
         let up = upright_axis(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let is_character = model.length_unit() == LengthUnit::Own;
-        let (body, mut parts) = match (KnownBody::of_model(model)?, is_character) {
-            (Some(known), _) => (Some(known.name), known.parts),
-            (None, true) => {
+        let known = KnownBody::of_model(model)?;
+        let drives = match (&known, is_character) {
+            (None, false) => parts_of_structure(model),
+            _ => None,
+        };
+        let from_tree = drives.is_some();
+        let (body, mut parts) = match (known, is_character, drives) {
+            (Some(known), ..) => (Some(known.name), known.parts),
+            (None, true, _) => {
                 let found = parts_of_character(model)?;
                 notes.extend(found.notes);
                 (found.body, found.bones)
             }
-            (None, false) => {
+            (None, false, Some(drives)) => {
+                let drives = drives.iter();
+                let parts = drives.map(|(part, drive)| (*part, DriveText::of(drive)));
+                (None, parts.collect())
+            }
+            (None, false, None) => {
                 let moving: Vec<_> = model
                     .frame_ids()
                     .map(|id| moving_joint(model, id))
@@ -330,8 +345,8 @@ impl BodyMap {
                     driving.insert(part, joint);
                     drives.push(frame);
                 }
-                // A built-in body is complete, so missing parts need no warning.
-                (Some(_), None) if body.is_some() => {}
+                // A built-in body and a tree are complete, so missing parts need no warning.
+                (Some(_), None) if body.is_some() || from_tree => {}
                 (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
                 (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
                 (None, None) => {}
@@ -355,6 +370,7 @@ impl BodyMap {
             map,
             skeleton,
             body,
+            from_tree,
             up,
             notes,
         })
