@@ -67,6 +67,7 @@
 //! - `mjcf`: robots from MuJoCo's XML
 //! - `yaml`: joint limits from MoveIt's YAML
 //! - `gltf`: scenes from and to glTF
+//! - `draco`: Draco-compressed meshes of glTF files
 //! - `heat`: skin weights by bone heat weighting
 //! - `rayon`: batches on several threads
 //! - `serde`: serialisation of models, options, solutions and clips

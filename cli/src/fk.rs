@@ -37,7 +37,7 @@ Loops and ball joints are keys of the --problem file, such as {\"model\": {\"joi
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb or .gltf.
+    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb, .gltf or .vrm.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 

@@ -46,11 +46,11 @@ collisions: docs/guide/retargeting.md. Collision shapes are keys of the --proble
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Movement .bvh, .glb, .gltf, .npy (frames, joints, 3) or rig .json; or a folder.
+    /// Movement .bvh, .glb, .gltf, .vrm, .npy (frames, joints, 3) or rig .json; or a folder.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
 
-    /// Robot .urdf or .xml, or figure .json, .glb, .gltf or .bvh.
+    /// Robot .urdf or .xml, or figure .json, .glb, .gltf, .vrm or .bvh.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
 

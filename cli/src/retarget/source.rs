@@ -8,7 +8,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, U
 use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use kinopt_bindings::retarget_folder::FolderSettings;
 
-use crate::animated_armature::{AnimatedArmature, extension};
+use crate::animated_armature::{AnimatedArmature, extension, is_scene};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::{numpy_file, output};
@@ -75,12 +75,14 @@ impl SourceOptions {
         let file = path.display();
         let with_file = |error: RetargetError| failure!("{file}: {error}");
         let kind = extension(path);
-        if self.clip.is_some() && !matches!(kind.as_str(), "glb" | "gltf") {
-            return Err(usage!("{file}: --clip applies to scenes (.glb, .gltf)"));
+        if self.clip.is_some() && !is_scene(path) {
+            return Err(usage!(
+                "{file}: --clip applies to scenes (.glb, .gltf, .vrm)"
+            ));
         }
         let given_rate = self.fps.or(map.and_then(|map| map.frame_rate));
         let (capture, up) = match kind.as_str() {
-            "bvh" | "glb" | "gltf" => {
+            _ if AnimatedArmature::is_at(path) => {
                 let animated = AnimatedArmature::read(path)?;
                 for note in &animated.notes {
                     output::message(&format!("note: {file}: {note}"));
@@ -106,7 +108,7 @@ impl SourceOptions {
             }
             _ => {
                 return Err(usage!(
-                    "{file}: unsupported extension; expected .npy, .bvh, .glb, .gltf or a rig's .json"
+                    "{file}: unsupported extension; expected .npy, .bvh, .glb, .gltf, .vrm or a rig's .json"
                 ));
             }
         };

@@ -8,7 +8,7 @@ use super::{FolderError, FolderSettings, SETTINGS_FILE};
 use kinopt::io::write_file;
 
 /// File extensions of motions.
-const FILE_EXTENSIONS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
+const FILE_EXTENSIONS: [&str; 5] = ["npy", "bvh", "glb", "gltf", "vrm"];
 
 /// Prefix of the names of unfinished files.
 const UNFINISHED_PREFIX: &str = ".part.";
@@ -55,7 +55,7 @@ pub struct FolderMotion {
 }
 
 impl MotionFolder {
-    /// Finds the motions in `source` (.npy, .bvh, .glb, .gltf; no hidden files) and determines their output files.
+    /// Finds the motions in `source` (.npy, .bvh, .glb, .gltf, .vrm; no hidden files) and determines their output files.
     ///
     /// Outputs have the same names in `into` with the extension `ending`. Nothing is written.
     ///
