@@ -34,6 +34,7 @@ mod retargeting;
 mod shipped_capture;
 mod slide;
 mod spliced_keys;
+mod standing_drags;
 mod swing_phases;
 mod unusual_captures;
 mod up_axis;

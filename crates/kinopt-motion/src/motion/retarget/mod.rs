@@ -52,5 +52,6 @@ pub use follower::BodyFollower;
 pub use known_maps::KnownSkeleton;
 pub use live::LiveFollower;
 pub use map_guess::MapGuess;
+pub(super) use part_names::parts_of;
 pub use retarget_report::{LostContact, RetargetReport, Touching};
 pub use retargeting::{RetargetOptions, Retargeting};

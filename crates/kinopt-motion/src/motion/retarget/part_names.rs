@@ -130,7 +130,9 @@ struct NameParts {
 }
 
 /// Returns the index of each part among names. The first of several matches counts.
-pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
+pub(in crate::motion) fn parts_of<'a>(
+    names: impl Iterator<Item = &'a str>,
+) -> BTreeMap<BodyPart, usize> {
     parts_where(names, |_, _| true)
 }
 
