@@ -144,6 +144,8 @@ def run(path):
         feet = [np.linalg.norm(at[foot] - body.rest[foot]) for foot in drag.feet]
         rows.append({
             "bone": bone,
+            "target": target.tolist(),
+            "positions": {name: p.tolist() for name, p in at.items()},
             "error": float(np.linalg.norm(at[bone] - target) / body.height),
             "wrong": wrong_knees(body, at) + wrong_elbows(body, at, rotations),
             "margin": drag.balance_margin / body.height,
@@ -164,7 +166,10 @@ def main():
     report = {}
     for path in options.characters:
         body, rows = run(path)
-        report[path.name] = rows
+        report[path.name] = {
+            "names": body.names, "hips": body.hips, "legs": body.legs, "arms": body.arms,
+            "forward": body.forward.tolist(), "height": float(body.height), "rows": rows,
+        }
         wrong = sum(bool(row["wrong"]) for row in rows)
         outside = sum(row["margin"] < 0 for row in rows)
         print(
@@ -174,7 +179,7 @@ def main():
         )
         for row in rows:
             if row["wrong"] or row["margin"] < 0:
-                print("   ", row)
+                print(f"    {row['bone']}: wrong {row['wrong']}, margin {row['margin']:.4f}")
     if options.json:
         options.json.write_text(json.dumps(report, indent=1))
 

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::io::gltf::document::MESHOPT;
+
 /// Members of a document that describe compression. Others are ignored.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -93,13 +95,14 @@ impl CompressedMembers {
         })
     }
 
-    /// Compressed buffer views with their indices.
-    pub(super) fn meshopt_views(&self) -> impl Iterator<Item = (usize, &MeshoptView)> {
+    /// Compressed buffer views, each with its index and the name of its extension.
+    pub(super) fn meshopt_views(&self) -> impl Iterator<Item = (usize, &str, &MeshoptView)> {
+        let [ext_name, khr_name] = MESHOPT;
         let views = self.buffer_views.iter().enumerate();
-        views.filter_map(|(index, view)| {
+        views.filter_map(move |(index, view)| {
             let extensions = view.extensions.as_ref()?;
-            let meshopt = extensions.khr.as_ref().or(extensions.ext.as_ref())?;
-            Some((index, meshopt))
+            let khr = extensions.khr.as_ref().map(|view| (index, khr_name, view));
+            khr.or_else(|| Some((index, ext_name, extensions.ext.as_ref()?)))
         })
     }
 

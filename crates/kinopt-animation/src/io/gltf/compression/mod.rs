@@ -51,8 +51,9 @@ pub(super) fn decode(
     name: &str,
 ) -> Result<Undecoded, ReadError> {
     let mut decoded = DecodedBuffer::new(name, buffers.len(), memory_limit);
-    for (index, view) in members.meshopt_views() {
-        meshopt::decode(view, index, root, buffers, &mut decoded)?;
+    for (index, extension, view) in members.meshopt_views() {
+        let path = format!("bufferViews[{index}].extensions.{extension}");
+        meshopt::decode(view, (index, &path), root, buffers, &mut decoded)?;
     }
     let mut primitives = Vec::new();
     for ((mesh, primitive), draco) in members.draco_primitives() {
