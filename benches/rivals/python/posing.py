@@ -135,7 +135,7 @@ def run(path):
         rest_q = drag.q
         started = time.perf_counter()
         frames = 0
-        while frames < 400 and not (frames and drag.is_at_rest):
+        while frames < 150 and not (frames and drag.is_at_rest):
             solution = drag.advance({bone: target})
             frames += 1
         seconds = time.perf_counter() - started
