@@ -4,7 +4,7 @@
 
 Each drag moves one bone, and the other feet stay. A knee bends the right way if it is in front of the line from hip to
 ankle, seen along its own foot. An elbow bends the right way if the forearm rotates about the axis of the T-pose, moved
-with the upper arm: towards the front. Both count from a bend of 3 degrees. Lengths are relative to the height.
+with the upper arm: towards the front. Both may be off by 1 degree. Lengths are relative to the height.
 """
 
 import argparse
@@ -15,7 +15,7 @@ from pathlib import Path
 import kinopt
 import numpy as np
 
-MIN_BEND = np.radians(3)
+TOLERANCE = np.sin(np.radians(1))
 
 
 def unit(v):
@@ -90,11 +90,6 @@ class Body:
         ]
 
 
-def bend(a, b, c):
-    upper, lower = b - a, c - b
-    return np.arctan2(np.linalg.norm(np.cross(upper, lower)), upper @ lower)
-
-
 def wrong_knees(body, at):
     """Knees behind the line from hip to ankle, seen along the foot."""
     wrong = []
@@ -103,8 +98,8 @@ def wrong_knees(body, at):
         toes = [child for child in body.children(end)]
         foot = at[toes[0]] - c if toes else body.forward
         along = unit(c - a)
-        ahead = foot - along * (foot @ along)
-        if bend(a, b, c) > MIN_BEND and (b - a) @ ahead < 0:
+        ahead = unit(foot - along * (foot @ along))
+        if (b - a) @ ahead < -TOLERANCE * np.linalg.norm(b - a):
             wrong.append(middle)
     return wrong
 
@@ -114,9 +109,9 @@ def wrong_elbows(body, at, rotations):
     wrong = []
     for upper, middle, end in body.arms:
         rest_along = unit(body.rest[end] - body.rest[upper])
-        axis = rotations[upper] @ np.cross(rest_along, body.forward)
+        axis = rotations[upper] @ unit(np.cross(rest_along, body.forward))
         a, b, c = (at[name] for name in (upper, middle, end))
-        if bend(a, b, c) > MIN_BEND and np.cross(b - a, c - b) @ axis < 0:
+        if np.cross(unit(b - a), unit(c - b)) @ axis < -TOLERANCE:
             wrong.append(middle)
     return wrong
 
