@@ -4,7 +4,8 @@
 
 Each drag moves one bone, and the other feet stay. A knee bends the right way if it is in front of the line from hip to
 ankle, seen along its own foot. An elbow bends the right way if the forearm rotates about the axis of the T-pose, moved
-with the upper arm: towards the front. Both may be off by 1 degree. Lengths are relative to the height.
+with the upper arm: towards the front. Both may be
+off by 1 degree, and by as much as they are at rest. Lengths are relative to the height.
 """
 
 import argparse
@@ -90,30 +91,34 @@ class Body:
         ]
 
 
-def wrong_knees(body, at):
-    """Knees behind the line from hip to ankle, seen along the foot."""
-    wrong = []
-    for upper, middle, end in body.legs:
-        a, b, c = (at[name] for name in (upper, middle, end))
-        toes = [child for child in body.children(end)]
-        foot = at[toes[0]] - c if toes else body.forward
-        along = unit(c - a)
-        ahead = unit(foot - along * (foot @ along))
-        if (b - a) @ ahead < -TOLERANCE * np.linalg.norm(b - a):
-            wrong.append(middle)
-    return wrong
+def knee_bulge(body, at, leg):
+    """Sine of the angle by which a knee is in front of the line from hip to ankle, seen along its foot."""
+    upper, middle, end = leg
+    a, b, c = (at[name] for name in leg)
+    toes = body.children(end)
+    foot = at[toes[0]] - c if toes else body.forward
+    along = unit(c - a)
+    return unit(b - a) @ unit(foot - along * (foot @ along))
 
 
-def wrong_elbows(body, at, rotations):
-    """Elbows whose forearm does not rotate towards the front, in the frame of the upper arm."""
-    wrong = []
-    for upper, middle, end in body.arms:
-        rest_along = unit(body.rest[end] - body.rest[upper])
-        axis = rotations[upper] @ unit(np.cross(rest_along, body.forward))
-        a, b, c = (at[name] for name in (upper, middle, end))
-        if np.cross(unit(b - a), unit(c - b)) @ axis < -TOLERANCE:
-            wrong.append(middle)
-    return wrong
+def elbow_bend(body, at, arm, rotation):
+    """Sine of the angle by which a forearm is bent towards the front, in the frame of its upper arm."""
+    upper, middle, end = arm
+    rest_along = unit(body.rest[end] - body.rest[upper])
+    axis = rotation @ unit(np.cross(rest_along, body.forward))
+    a, b, c = (at[name] for name in arm)
+    return np.cross(unit(b - a), unit(c - b)) @ axis
+
+
+def wrong_bends(body, at, rotations):
+    """Lower bones of the limbs that are bent the wrong way, more than at rest."""
+    still = np.eye(3)
+    knees = [(leg[1], knee_bulge(body, at, leg), knee_bulge(body, body.rest, leg)) for leg in body.legs]
+    elbows = [
+        (arm[1], elbow_bend(body, at, arm, rotations[arm[0]]), elbow_bend(body, body.rest, arm, still))
+        for arm in body.arms
+    ]
+    return [name for name, now, rest in knees + elbows if now < min(rest, 0.0) - TOLERANCE]
 
 
 def turned(model, q, rest_q, name):
@@ -130,7 +135,7 @@ def run(path):
         rest_q = drag.q
         started = time.perf_counter()
         frames = 0
-        while frames < 150 and not (frames and drag.is_at_rest):
+        while frames < 40 and not (frames and drag.is_at_rest):
             solution = drag.advance({bone: target})
             frames += 1
         seconds = time.perf_counter() - started
@@ -142,7 +147,7 @@ def run(path):
             "target": target.tolist(),
             "positions": {name: p.tolist() for name, p in at.items()},
             "error": float(np.linalg.norm(at[bone] - target) / body.height),
-            "wrong": wrong_knees(body, at) + wrong_elbows(body, at, rotations),
+            "wrong": wrong_bends(body, at, rotations),
             "margin": drag.balance_margin / body.height,
             "feet": max(feet, default=0.0) / body.height,
             "frames": frames,

@@ -35,7 +35,7 @@ const SETTLE_FRAMES: usize = 1000;
 /// near its rest pose.
 ///
 /// `hinges` are a dict as `Skeleton.hinges`; by default those of a skeleton, or guessed ones. `cones` are those of
-/// `BallSkeleton`. Masses come from the mesh of a rig or a scene; without a closed mesh they are those of the segments
+/// `BallSkeleton`; hips and ankles without a cone get one, so that knees stay above their feet. Masses come from the mesh of a rig or a scene; without a closed mesh they are those of the segments
 /// of a human body. `up` is the vertical in the model, by default the axis nearest to the legs.
 ///
 /// Raises `UnknownNameError` for unknown bones, `InvalidValueError` for a character without legs, or hinges, cones and

@@ -44,7 +44,7 @@ impl Scene {
                         for influence in skin.weights.influences(vertex) {
                             let joint = skin.joints.get(influence.bone as usize);
                             let bone = joint.map_or(mesh.bone, |joint| *joint);
-                            builder.add(first + vertex, bone.index(), influence.weight.into())?;
+                            builder.add(first + vertex, bone.index(), influence.weight)?;
                         }
                     }
                 }

@@ -3,6 +3,7 @@
 mod body_axes;
 mod body_limb;
 mod hinge_guess;
+mod leg_cones;
 mod limb_chains;
 mod segment_masses;
 mod standing_drag;

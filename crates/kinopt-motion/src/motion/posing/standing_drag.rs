@@ -12,6 +12,7 @@ use kinopt_solver::task::{Bounded, FramePose, Plane, Point, Posture, SupportPoly
 
 use super::body_limb::{BodyLimb, LimbKind, limbs};
 use super::hinge_guess::guess_hinges;
+use super::leg_cones::add_leg_cones;
 use super::segment_masses::segment_masses;
 use super::support::{Foot, Stance};
 
@@ -105,7 +106,8 @@ impl StandingDragBuilder<'_> {
         self
     }
 
-    /// Sets the cones of ball joints; by default none.
+    /// Sets the cones of ball joints. Hips and ankles without a cone get one, so that knees stay above their feet: hips
+    /// swing by 130° and twist by 40°, ankles by 60° and 20°.
     #[must_use]
     pub fn with_cones(mut self, cones: Cones) -> Self {
         self.cones = cones;
@@ -149,7 +151,9 @@ impl StandingDragBuilder<'_> {
             }
         });
         let hinged = self.skeleton.with_hinges(&hinges)?;
-        let skeleton = BallSkeleton::new(hinged, &self.cones, SkeletonRoot::FREE)?;
+        let mut cones = self.cones;
+        add_leg_cones(&hinged, &limbs, &mut cones);
+        let skeleton = BallSkeleton::new(hinged, &cones, SkeletonRoot::FREE)?;
         let stance = Stance::of(self.skeleton, &limbs, self.up);
         let mut stance = stance.ok_or_else(|| StandingDragError::NoLegs {
             skeleton: self.skeleton.model().name().to_owned(),

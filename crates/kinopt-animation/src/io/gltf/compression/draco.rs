@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use draco_gltf::{
     ComponentType as DracoType, DecodeLimits, DracoPrimitiveContract, DracoPrimitiveExtension,
@@ -40,15 +41,16 @@ pub(super) fn decode(
             "meshes[{mesh}].primitives[{number}].extensions.{}",
             super::DRACO
         );
-        if !by_view.contains_key(&draco.buffer_view) {
-            let geometry = geometry(draco, root, buffers, decoded, &path)?;
-            let accessors = accessors(&geometry, root, decoded, &path)?;
-            by_view.insert(draco.buffer_view, accessors);
-        }
-        let accessors = by_view.get(&draco.buffer_view);
+        let accessors = match by_view.entry(draco.buffer_view) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let geometry = geometry(draco, root, buffers, decoded, &path)?;
+                entry.insert(accessors(&geometry, root, decoded, &path)?)
+            }
+        };
         let entry = root.meshes.get_mut(mesh);
         let entry = entry.and_then(|mesh| mesh.primitives.get_mut(number));
-        if let (Some(accessors), Some(primitive)) = (accessors, entry) {
+        if let Some(primitive) = entry {
             for (semantic, accessor) in &mut primitive.attributes {
                 if let Some(decoded) = accessors.attributes.get(&semantic.to_string()) {
                     *accessor = *decoded;
