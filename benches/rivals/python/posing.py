@@ -23,6 +23,10 @@ def unit(v):
     return v / np.linalg.norm(v)
 
 
+def is_left(name):
+    return "left" in name.lower() or name.endswith((".L", "_L"))
+
+
 class Body:
     """Joints of a character at rest, from its guessed hinges and the tree of its bones."""
 
@@ -40,9 +44,8 @@ class Body:
         middles = sorted(self.hinges, key=lambda name: self.rest[name][1])
         self.legs = [self.limb(name) for name in middles if self.rest[name][1] < middle]
         self.arms = [self.limb(name) for name in middles if self.rest[name][1] >= middle]
-        # Left first: a character that faces z has its left at positive x.
         for pair in (self.legs, self.arms):
-            pair.sort(key=lambda limb: -self.rest[limb[0]][0])
+            pair.sort(key=lambda limb: not is_left(limb[1]))
         self.hips = self.parent(self.legs[0][0])
         hips = self.rest[self.legs[0][0]] - self.rest[self.legs[-1][0]]
         self.up = np.array([0.0, 1.0, 0.0])
@@ -145,6 +148,7 @@ def run(path):
         rows.append({
             "bone": bone,
             "target": target.tolist(),
+            "pose": [np.asarray(part).tolist() for part in (drag.pose.translations, drag.pose.rotations_xyzw)],
             "positions": {name: p.tolist() for name, p in at.items()},
             "error": float(np.linalg.norm(at[bone] - target) / body.height),
             "wrong": wrong_bends(body, at, rotations),

@@ -55,7 +55,8 @@ def main():
     report = json.loads(options.drags.read_text())[options.character.name]
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=str(options.character))
+    # The rest pose of the bones is that of the nodes, not the bind pose of the skin.
+    bpy.ops.import_scene.gltf(filepath=str(options.character), guess_original_bind_pose=False)
     armature = next(thing for thing in bpy.context.scene.objects if thing.type == "ARMATURE")
     armature.animation_data_clear()
     for bone in armature.pose.bones:

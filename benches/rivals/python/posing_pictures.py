@@ -53,20 +53,22 @@ def main():
     report = json.loads(options.drags.read_text())[options.character.name]
     scene = kinopt.Scene.read(options.character)
     posing = scene.posing("lbs")
-    triangles = np.concatenate(mesh_triangles(scene))
+    triangles = np.concatenate(list(mesh_triangles(scene)))
     rows = report["rows"]
     ours, three = [], []
+    rest, names = scene.armature.rest, scene.armature.names
+
+    def posed(translations, rotations):
+        pose = Pose(scene.armature, translations=translations, rotations_xyzw=rotations, scales=rest.scales)
+        return posing.positions(pose), triangles
+
     for row, other in zip(rows, json.loads(options.three.read_text()), strict=True):
-        drag = kinopt.StandingDrag(scene, [row["bone"]])
-        drag.settle({row["bone"]: row["target"]})
-        ours.append((posing.positions(drag.pose), triangles))
-        rest, names = scene.armature.rest, scene.armature.names
+        ours.append(posed(*row["pose"]))
         rotations, translations = np.array(rest.rotations_xyzw), np.array(rest.translations)
         for bone, local in other["rotations"].items():
             rotations[names.index(bone)] = local["rotation"]
             translations[names.index(bone)] = local["translation"]
-        pose = Pose(scene.armature, translations=translations, rotations_xyzw=rotations, scales=rest.scales)
-        three.append((posing.positions(pose), triangles))
+        three.append(posed(translations, rotations))
     blender = [(one["vertices"], np.array(one["triangles"])) for one in json.loads(options.blender.read_text())]
     programs = {"kinopt": ours, "Blender, IK and poles": blender, "three.js, CCDIKSolver": three}
     height = report["height"]
