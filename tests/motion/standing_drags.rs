@@ -82,7 +82,7 @@ fn at(drag: &StandingDrag, bone: &str) -> Vector3<f64> {
     pose.tail(skeleton.bone(bone).unwrap()).unwrap()
 }
 
-/// How far a middle joint bulges from the line between both ends, along `direction` of the body's root, metres.
+/// Distance of a middle joint from the line between both ends, along `direction` of the model, metres.
 fn bulge(drag: &StandingDrag, [upper, middle, end]: [&str; 3], direction: [f64; 3]) -> f64 {
     let [a, b, c] = [upper, middle, end].map(|bone| at(drag, bone));
     let along = (c - a) * (1.0 / (c - a).norm());

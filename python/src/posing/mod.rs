@@ -1,4 +1,4 @@
-//! Posing of characters: hinges, held parts, and drags of a body that stands.
+//! Posing of characters: hinges, held parts, and drags of a body on its feet.
 
 mod held;
 mod hinges;

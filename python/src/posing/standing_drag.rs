@@ -1,4 +1,4 @@
-//! Drags of a character that stands on its feet.
+//! Drags of a character on its feet.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -28,7 +28,7 @@ const SETTLE_FRAMES: usize = 1000;
 ///
 /// Feet keep their pose at rest, unless a bone of their leg is dragged. The center of mass stays above the support
 /// polygon of the pinned feet, and elbows, hands, knees and hips above the ground. Knees and elbows rotate about hinges,
-/// all other bones between the ends of limbs and the root on ball joints. Fingers, faces, hair and tails move with their
+/// all other bones between the ends of limbs and the root on ball joints. Fingers, faces and tails move with their
 /// parents.
 ///
 /// Feet come first, then balance and ground, then the `dragged` bones. In their null space the body stays upright and

@@ -5,7 +5,7 @@ use crate::skinning::{SkinWeights, SkinningMethod, bone_volumes_within, masses_o
 use kinopt_kinematics::model::{Masses, ModelError};
 use kinopt_kinematics::skeleton::Skeleton;
 
-/// Largest fraction of open columns: clothes and hair of characters are often open.
+/// Largest fraction of open columns: clothes of characters are often open.
 const MAX_OPEN_FRACTION: f64 = 0.5;
 
 impl Scene {

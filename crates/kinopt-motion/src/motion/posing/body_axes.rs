@@ -2,7 +2,7 @@
 
 use kinopt_kinematics::spatial::Vector3;
 
-use super::body_limb::{BodyLimb, BodySide, LimbKind};
+use super::body_limb::{BodyLimb, LimbKind, LimbSide};
 
 /// Smallest horizontal length of a foot, relative to its leg, that shows where a body faces.
 const MIN_RELATIVE_FOOT: f64 = 0.05;
@@ -32,8 +32,8 @@ impl BodyAxes {
         let up = unit(up)?;
         let horizontal = |v: Vector3<f64>| v - up * v.dot(up);
         let sided = limbs.iter().map(|limb| match limb.side {
-            Some(BodySide::Left) => limb.joints[0],
-            Some(BodySide::Right) => -limb.joints[0],
+            Some(LimbSide::Left) => limb.joints[0],
+            Some(LimbSide::Right) => -limb.joints[0],
             None => zero,
         });
         let left = unit(horizontal(sided.fold(zero, |sum, side| sum + side)));

@@ -17,7 +17,7 @@ pub(super) enum LimbKind {
 
 /// Side of a limb, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum BodySide {
+pub(super) enum LimbSide {
     Left,
     Right,
 }
@@ -26,7 +26,7 @@ pub(super) enum BodySide {
 #[derive(Clone, Debug)]
 pub(super) struct BodyLimb {
     pub(super) kind: LimbKind,
-    pub(super) side: Option<BodySide>,
+    pub(super) side: Option<LimbSide>,
     /// Bone at the hip or shoulder.
     pub(super) upper: BoneId,
     /// Bone that rotates about the knee or elbow.
@@ -50,18 +50,18 @@ impl BodyLimb {
 }
 
 /// Parts of a paired limb: hip, knee, ankle and toe, or shoulder, elbow and hand.
-type LimbParts = (LimbKind, BodySide, [BodyPart; 3], Option<BodyPart>);
+type LimbParts = (LimbKind, LimbSide, [BodyPart; 3], Option<BodyPart>);
 
 const LIMBS: [LimbParts; 4] = [
     (
         LimbKind::Leg,
-        BodySide::Left,
+        LimbSide::Left,
         [BodyPart::LeftHip, BodyPart::LeftKnee, BodyPart::LeftAnkle],
         Some(BodyPart::LeftToe),
     ),
     (
         LimbKind::Leg,
-        BodySide::Right,
+        LimbSide::Right,
         [
             BodyPart::RightHip,
             BodyPart::RightKnee,
@@ -71,7 +71,7 @@ const LIMBS: [LimbParts; 4] = [
     ),
     (
         LimbKind::Arm,
-        BodySide::Left,
+        LimbSide::Left,
         [
             BodyPart::LeftShoulder,
             BodyPart::LeftElbow,
@@ -81,7 +81,7 @@ const LIMBS: [LimbParts; 4] = [
     ),
     (
         LimbKind::Arm,
-        BodySide::Right,
+        LimbSide::Right,
         [
             BodyPart::RightShoulder,
             BodyPart::RightElbow,

@@ -9,7 +9,7 @@ use kinopt_kinematics::skeleton::{Hinge, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
 
 use super::body_axes::{BodyAxes, unit};
-use super::body_limb::{BodyLimb, BodySide, LimbKind, limbs};
+use super::body_limb::{BodyLimb, LimbKind, LimbSide, limbs};
 
 /// Rest bend, radians, from which the axis is that of the rest bend alone.
 const CLEAR_BEND: f64 = 10.0 * PI / 180.0;
@@ -169,8 +169,8 @@ fn mirror_pairs(all: &[BodyLimb], found: &mut [Option<LimbAxis>], left: Vector3<
     let mirrored = |axis: Vector3<f64>| left * (2.0 * axis.dot(left)) - axis;
     for (a, limb) in all.iter().enumerate() {
         let is_partner =
-            |other: &BodyLimb| other.kind == limb.kind && other.side == Some(BodySide::Right);
-        if limb.side != Some(BodySide::Left) {
+            |other: &BodyLimb| other.kind == limb.kind && other.side == Some(LimbSide::Right);
+        if limb.side != Some(LimbSide::Left) {
             continue;
         }
         let Some(b) = all.iter().position(is_partner) else {

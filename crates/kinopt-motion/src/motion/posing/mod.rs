@@ -1,4 +1,4 @@
-//! Posing of characters: hinges of knees and elbows, and drags of a body that stands.
+//! Posing of characters: hinges of knees and elbows, and drags of a body on its feet.
 
 mod body_axes;
 mod body_limb;

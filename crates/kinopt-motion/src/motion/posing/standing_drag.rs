@@ -1,4 +1,4 @@
-//! Drags of a character that stands on its feet.
+//! Drags of a character on its feet.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +26,7 @@ const TARGET_LEVEL: usize = 2;
 const RELATIVE_MARGIN: f64 = 0.005;
 
 /// Error of a drag of a standing character.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StandingDragError {
     /// A bone that does not exist, or a target of a bone that is not dragged.
@@ -55,7 +55,7 @@ pub enum StandingDragError {
 ///
 /// The feet keep their pose at rest, unless their leg is dragged. The centre of mass stays above the support polygon of
 /// the pinned feet, and elbows, hands, knees and hips above the ground. Knees and elbows rotate about hinges, all other
-/// bones between a limb's end and the root on ball joints. Fingers, faces, hair and tails move with their parents.
+/// bones between a limb's end and the root on ball joints. Fingers, faces and tails move with their parents.
 ///
 /// Feet come first, then balance and ground, then the dragged bones. In their null space the body stays upright and
 /// near its rest pose.
@@ -167,7 +167,7 @@ impl StandingDragBuilder<'_> {
             true => segment_masses(&skeleton, &limbs, trunk(self.skeleton, &limbs)),
         };
         let masses = Masses::new(skeleton.model(), masses)?;
-        let parts = Parts {
+        let parts = ProblemParts {
             skeleton: &skeleton,
             limbs: &limbs,
             stance: &stance,
@@ -287,15 +287,15 @@ fn trunk(skeleton: &Skeleton, limbs: &[BodyLimb]) -> BoneId {
     hips.unwrap_or_else(|| BoneId::new(0))
 }
 
-/// Parts of the problem of a drag.
-struct Parts<'a> {
+/// ProblemParts of the problem of a drag.
+struct ProblemParts<'a> {
     skeleton: &'a BallSkeleton,
     limbs: &'a [BodyLimb],
     stance: &'a Stance,
     masses: &'a Masses,
 }
 
-impl Parts<'_> {
+impl ProblemParts<'_> {
     fn problem(
         &self,
         dragged: Vec<(String, BoneId)>,
