@@ -1,7 +1,6 @@
-"""Pictures of the drags of `posing.py`, by kinopt, Blender and three.js, side by side.
+"""Pictures of the drags of `posing.py`, by kinopt and three.js, side by side.
 
-    python benches/rivals/python/posing_pictures.py CHARACTER.glb --drags DRAGS.json --blender BLENDER.json \\
-        --three THREE.json --out docs/posing.png
+    python benches/rivals/python/posing_pictures.py CHARACTER.glb --drags DRAGS.json --three THREE.json --out docs/posing.png
 
 Needs kinopt, numpy and matplotlib. Each column is a drag, each row a program; a cross marks the target.
 """
@@ -46,7 +45,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("character", type=Path)
     parser.add_argument("--drags", type=Path, required=True)
-    parser.add_argument("--blender", type=Path, required=True)
     parser.add_argument("--three", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
@@ -69,10 +67,9 @@ def main():
             rotations[names.index(bone)] = local["rotation"]
             translations[names.index(bone)] = local["translation"]
         three.append(posed(translations, rotations))
-    blender = [(one["vertices"], np.array(one["triangles"])) for one in json.loads(options.blender.read_text())]
-    programs = {"kinopt": ours, "Blender, IK and poles": blender, "three.js, CCDIKSolver": three}
+    programs = {"kinopt": ours, "three.js, CCDIKSolver": three}
     height = report["height"]
-    figure, table = pyplot.subplots(len(programs), len(rows), figsize=(1.25 * len(rows), 2.1 * len(programs)))
+    figure, table = pyplot.subplots(len(programs), len(rows), figsize=(1.25 * len(rows), 1.45 * len(programs)))
     for line, (name, poses) in zip(table, programs.items(), strict=True):
         line[0].set_ylabel(name, fontsize=8)
         for axes, row, (vertices, faces) in zip(line, rows, poses, strict=True):
