@@ -25,6 +25,9 @@ const TARGET_LEVEL: usize = 2;
 /// Distance of the centre of mass from the edges of the support polygon, relative to the size of the skeleton.
 const RELATIVE_MARGIN: f64 = 0.005;
 
+/// Name of a dragged bone, and the task of its target.
+type Target = (String, TaskId<Point>);
+
 /// Error of a drag of a standing character.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -81,7 +84,7 @@ pub enum StandingDragError {
 pub struct StandingDrag {
     skeleton: BallSkeleton,
     drag: Drag,
-    targets: Vec<(String, TaskId<Point>)>,
+    targets: Vec<Target>,
     masses: Masses,
     stance: Stance,
 }
@@ -299,7 +302,7 @@ impl ProblemParts<'_> {
     fn problem(
         &self,
         dragged: Vec<(String, BoneId)>,
-    ) -> Result<(Problem, Vec<(String, TaskId<Point>)>), StandingDragError> {
+    ) -> Result<(Problem, Vec<Target>), StandingDragError> {
         let (skeleton, stance) = (self.skeleton, self.stance);
         let model = skeleton.model();
         let bones = skeleton.skeleton().bones();
@@ -374,9 +377,9 @@ impl ProblemParts<'_> {
         });
         let all = limb_bones.chain(dragged.iter().map(|(_, bone)| *bone));
         let above = all.filter(|bone| {
-            let is_on_foot = |foot: &Foot| foot.leg.contains(bone);
-            !pinned.contains(bone)
-                && !(self.stance.feet.iter().any(is_on_foot) && self.is_toe(*bone))
+            let is_on_foot = self.stance.feet.iter().any(|foot| foot.leg.contains(bone));
+            let is_pinned_toe = is_on_foot && self.is_toe(*bone);
+            !pinned.contains(bone) && !is_pinned_toe
         });
         above.collect()
     }
