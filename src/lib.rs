@@ -68,6 +68,7 @@
 //! - `mjcf`: robots from MuJoCo's XML
 //! - `yaml`: joint limits from MoveIt's YAML
 //! - `gltf`: scenes from and to glTF
+//! - `draco`: Draco-compressed meshes of glTF files
 //! - `heat`: skin weights by bone heat weighting
 //! - `npz`: NumPy's `.npz` files, motions of the SMPL family
 //! - `rayon`: batches on several threads

@@ -25,6 +25,7 @@ mod fk;
 mod frame_name;
 mod frame_report;
 mod help_headings;
+mod hinges;
 mod info;
 mod interpolation_choice;
 mod joint_columns;

@@ -39,6 +39,7 @@ mod path;
 mod pickling;
 mod placement;
 mod pool;
+mod posing;
 mod problem;
 mod progress;
 mod retargeting;
@@ -96,6 +97,8 @@ mod _kinopt {
     use super::path::{MissedPoint, PathReport, solve_path};
     #[pymodule_export]
     use super::placement::interpolate;
+    #[pymodule_export]
+    use super::posing::StandingDrag;
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]

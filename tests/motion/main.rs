@@ -42,6 +42,7 @@ mod scores;
 mod shipped_capture;
 mod slide;
 mod spliced_keys;
+mod standing_drags;
 mod swing_phases;
 mod terrains;
 mod unusual_captures;

@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
 
-    /// Robot .urdf or .xml, or figure .json, .glb, .gltf or .bvh.
+    /// Robot .urdf or .xml, or figure .json, .glb, .gltf, .vrm or .bvh.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
 

@@ -15,7 +15,7 @@ use kinopt::spatial::{Matrix3, Quaternion};
 use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use kinopt_bindings::retarget_folder::FolderSettings;
 
-use crate::animated_armature::{AnimatedArmature, extension};
+use crate::animated_armature::{AnimatedArmature, extension, is_scene};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::{file_access, output};
@@ -112,8 +112,10 @@ impl SourceOptions {
         let file = path.display();
         let with_file = |error: RetargetError| failure!("{file}: {error}");
         let kind = extension(path);
-        if self.clip.is_some() && !matches!(kind.as_str(), "glb" | "gltf" | "vrm") {
-            return Err(usage!("{file}: --clip applies to scenes (.glb, .gltf)"));
+        if self.clip.is_some() && !is_scene(path) {
+            return Err(usage!(
+                "{file}: --clip applies to scenes (.glb, .gltf, .vrm)"
+            ));
         }
         let given_rate = self.fps.or(map.and_then(|map| map.frame_rate));
         let (capture, up) = match kind.as_str() {
@@ -130,7 +132,7 @@ impl SourceOptions {
                 let markers = c3d::read(path)?;
                 (Capture::of_markers(&markers).map_err(with_file)?, UpAxis::Z)
             }
-            "bvh" | "glb" | "gltf" | "vrm" => {
+            _ if AnimatedArmature::is_at(path) => {
                 let animated = AnimatedArmature::read(path)?;
                 for note in &animated.notes {
                     output::message(&format!("note: {file}: {note}"));

@@ -33,7 +33,7 @@ pub(crate) fn with_problem_note(examples: &str) -> String {
 /// Arguments of every solving subcommand.
 #[derive(Args, Debug)]
 pub(crate) struct QueryArguments {
-    /// Robot .urdf or MJCF .xml, rig .json, scene .glb or .gltf, or capture .bvh.
+    /// Robot .urdf or MJCF .xml, rig .json, scene .glb, .gltf or .vrm, or capture .bvh.
     #[arg(value_name = "MODEL")]
     pub(crate) model: PathBuf,
 

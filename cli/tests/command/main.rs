@@ -23,6 +23,7 @@ mod exit_codes_and_errors;
 mod file_access;
 mod goal_bounds_and_weights;
 mod help_pages;
+mod hinges;
 mod holds;
 mod json_output;
 mod locked_joints;

@@ -9,6 +9,7 @@
 //! - [`problem`]: problems with tasks and targets by name
 //! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
+//! - [`hinges`]: hinges of bones by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`per_joint`]: numbers by joint, as a list, one number or by name
 //! - [`names`]: names of enum variants
@@ -28,6 +29,7 @@ pub mod cones;
 pub mod coordinate_order;
 pub mod coordinates;
 pub mod error;
+pub mod hinges;
 pub mod jobs;
 pub mod json;
 pub mod method;

@@ -29,7 +29,7 @@ each! { value:
     model::JointId, model::Limits, model::LengthUnit, model::ParameterMap, model::Source,
     model::ParameterMapBuilder<'static>, model::Masses, model::PointMass, model::BallLimits, model::Loop, model::LoopKind,
     Skeleton, skeleton::SkeletonBuilder, skeleton::Bone, skeleton::BoneId, skeleton::Posing,
-    skeleton::BonePlacements, skeleton::Holds,
+    skeleton::BonePlacements, skeleton::Hinge, skeleton::Holds,
     robot::Robot, robot::Mimic, robot::Link, robot::GeometryObject, robot::Geometry, robot::Inertial,
     robot::MjcfReader, robot::UrdfReader, robot::Repair, robot::RepairKind, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
@@ -102,7 +102,8 @@ each! { value:
 }
 
 each! { value:
-    motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
+    motion::ContactDetection, motion::posing::GuessedHinge, motion::posing::HingeSource,
+    motion::posing::StandingDrag, motion::posing::StandingDragBuilder<'static>, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditReport, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Curve, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
@@ -170,6 +171,7 @@ each! { error:
     robot::RobotFileError, calibration::CalibrationError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
     motion::path::PathError, motion::retarget::RetargetError, motion::score::ScoreError, io::smpl::SmplError, io::c3d::MarkerError,
+    motion::posing::StandingDragError,
     robot::ParseIssue,
 }
 

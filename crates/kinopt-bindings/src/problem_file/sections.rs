@@ -56,6 +56,8 @@ pub struct ModelSettings {
     pub joints: Option<BoneJoints>,
     /// File of swing and twist limits.
     pub cones: Option<PathBuf>,
+    /// Hinges of a scene or a capture; `None` for guessed ones.
+    pub hinges: Option<BoneHinges>,
     /// True to set the rest scales of a scene's bones to 1.
     pub without_scale: bool,
     /// SRDF file.
@@ -101,6 +103,36 @@ pub enum BoneJoints {
     TwistBendTwist,
     /// A ball joint.
     Ball,
+}
+
+/// Hinges of bones.
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(untagged)]
+pub enum BoneHinges {
+    /// A choice by name.
+    Choice(HingeChoice),
+    /// Hinges by bone.
+    ByBone(BTreeMap<String, BoneHinge>),
+}
+
+/// Choice of hinges by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HingeChoice {
+    /// Guessed for knees and elbows.
+    Guessed,
+    /// No hinges.
+    None,
+}
+
+/// Hinge of a bone.
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoneHinge {
+    /// Axis in the axes of the bone.
+    pub axis: [f64; 3],
+    /// Lower and upper bound from rest, degrees.
+    pub range: [f64; 2],
 }
 
 /// Two frames of a loop, with placements on them.

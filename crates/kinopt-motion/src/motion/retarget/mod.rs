@@ -73,10 +73,11 @@ pub use joint_rotations::JointRotations;
 pub use known_maps::KnownSkeleton;
 pub use live::LiveFollower;
 pub use map_guess::MapGuess;
+pub(super) use part_names::parts_of;
 pub use retarget_report::{LostContact, RetargetReport, Touching};
 pub use retargeting::{RetargetOptions, Retargeting};
 pub use terrain::{Terrain, TerrainPatch};
 
 pub(super) use map_guess::parts_of_capture;
-pub(super) use part_names::{bare, parts_of};
+pub(super) use part_names::bare;
 pub(super) use stick_person::stick_person;
