@@ -14,6 +14,7 @@ from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
+    AllSolutions,
     Arm,
     BallSkeleton,
     ArmDerivative,
@@ -56,6 +57,7 @@ from ._kinopt import (
     SceneMesh,
     ScenePosing,
     Separation,
+    SelfMotion,
     Servo,
     ServoStep,
     Shape,
@@ -107,6 +109,7 @@ def __getattr__(name: str) -> ModuleType:
 __all__ = [
     "ActiveLimit",
     "ActiveMotionLimit",
+    "AllSolutions",
     "Arm",
     "BallSkeleton",
     "ArmDerivative",
@@ -156,6 +159,7 @@ __all__ = [
     "SceneMesh",
     "ScenePosing",
     "Separation",
+    "SelfMotion",
     "Servo",
     "ServoStep",
     "Shape",

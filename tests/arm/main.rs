@@ -4,6 +4,7 @@
 mod any_chain;
 mod avoidance;
 mod calibration;
+mod complete_sets;
 mod default_start;
 mod derivatives;
 mod elbow_branches;

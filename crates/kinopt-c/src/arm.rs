@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use kinopt::Arm;
-use kinopt::arm::{Base, Search};
+use kinopt::arm::Base;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options};
 use kinopt_bindings::option::names;
 
@@ -16,10 +16,6 @@ use crate::settings::settings;
 use crate::solution::KinoptSolution;
 use crate::world::{KinoptCollisionModel, KinoptWorld};
 
-/// Smallest distance of two of the solutions that are offered to a callback, radians.
-const ACCEPTED_DISTANCE: f64 = 0.1;
-/// Largest number of solutions that are offered to a callback.
-const ACCEPTED_SOLUTIONS: usize = 64;
 
 /// An arm: the joints from a base to a tip of a robot, prepared for queries. It is immutable.
 pub struct KinoptArm {
@@ -273,7 +269,7 @@ pub type KinoptAccept =
 
 /// Solves for one target, and offers reached configurations to a callback until it accepts one.
 ///
-/// The first is that of `kinopt_arm_solve`, then come further solutions that differ by 0.1 rad, nearest to the start first.
+/// The first is that of `kinopt_arm_solve`, then come the other solutions, nearest to the start first.
 /// `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target is not reached.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_arm_solve_accepted(
@@ -300,15 +296,11 @@ pub unsafe extern "C" fn kinopt_arm_solve_accepted(
         if accept(solution.q.as_ptr(), solution.q.len(), user_data) {
             return pointer::write(accepted, true, "accepted");
         }
-        let search = Search::Distinct {
-            k: ACCEPTED_SOLUTIONS,
-            distance: ACCEPTED_DISTANCE,
-        };
-        let others = arm.with_search(search)?.solve_all(target, start)?;
-        for other in others {
-            let is_new = other.reached && other.q != solution.q;
-            if is_new && accept(other.q.as_ptr(), other.q.len(), user_data) {
-                *solution = other;
+        let offered = solution.q.clone();
+        for other in arm.solve_all_from(target, start)?.solutions {
+            if other.q != offered && accept(other.q.as_ptr(), other.q.len(), user_data) {
+                // The configuration is a solution, so a search from it ends there.
+                arm.solve_into(target, &other.q, solution)?;
                 return pointer::write(accepted, true, "accepted");
             }
         }
@@ -316,19 +308,23 @@ pub unsafe extern "C" fn kinopt_arm_solve_accepted(
     })
 }
 
-/// Finds solutions of one target that differ by at least `distance` radians, nearest to the start first.
+/// Finds all solutions of one target, nearest to the start first.
 ///
-/// Writes up to `capacity` configurations to `q`, one after another, and their number to `count`.
+/// For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, with whole
+/// turns. `complete` then becomes true. Other arms return the solutions that their attempts find.
+///
+/// Writes up to `capacity` configurations to `q`, one after another. `count` becomes the number of solutions, which may
+/// exceed the capacity.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn kinopt_arm_solve_distinct(
+pub unsafe extern "C" fn kinopt_arm_solve_all(
     arm: *const KinoptArm,
     base_from_tool: *const f64,
     start: *const f64,
     start_length: usize,
-    distance: f64,
     q: *mut f64,
     capacity: usize,
     count: *mut usize,
+    complete: *mut bool,
 ) -> KinoptStatus {
     guard(|| unsafe {
         let arm = &pointer::object(arm, "arm")?.inner;
@@ -339,14 +335,11 @@ pub unsafe extern "C" fn kinopt_arm_solve_distinct(
             Failure::invalid(format!("the capacity {capacity} of `q` is not possible"))
         })?;
         let q = pointer::array_mut(q, length, "q")?;
-        let search = Search::Distinct {
-            k: capacity,
-            distance,
-        };
-        let solutions = arm.with_search(search)?.solve_all(target, start)?;
-        for (row, solution) in q.chunks_mut(arm.joint_count().max(1)).zip(&solutions) {
+        let all = arm.solve_all_from(target, start)?;
+        for (row, solution) in q.chunks_mut(arm.joint_count().max(1)).zip(&all.solutions) {
             row.copy_from_slice(&solution.q);
         }
-        pointer::write(count, solutions.len().min(capacity), "count")
+        pointer::write(complete, all.complete, "complete")?;
+        pointer::write(count, all.solutions.len(), "count")
     })
 }

@@ -121,7 +121,8 @@ each! { value:
 
 each! { value:
     animation::KeyTolerance, animation::ParameterDefault, animation::EulerPoseMap, animation::BallPoseMap,
-    animation::RootMotion, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
+    animation::RootMotion, arm::AllSolutions, arm::Argument, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
+    arm::Branch, arm::Elbow, arm::PoseSolution, arm::SelfMotion, arm::Shoulder, arm::Wrist,
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
     arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::TimedSpline, motion::Trajectory<()>,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,

@@ -20,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod all_solutions;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod arm_model;
@@ -65,6 +66,9 @@ mod track;
 mod workspace;
 
 pub use crate::simd_ik::PoseOutcome;
+pub use all_solutions::{
+    AllSolutions, Argument, Branch, Elbow, PoseSolution, SelfMotion, Shoulder, Wrist,
+};
 pub use arm::Arm;
 pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};
