@@ -63,7 +63,9 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{AllSolutions, Arm, ArmDerivative, Batch, Follower, SelfMotion, Servo, ServoStep};
+    use super::arm::{
+        AllSolutions, Arm, ArmDerivative, Batch, Follower, SelfMotion, Servo, ServoStep,
+    };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};
     #[pymodule_export]

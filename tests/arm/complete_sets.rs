@@ -103,7 +103,9 @@ fn contains(all: &AllSolutions, q: &[f64]) -> bool {
 #[test]
 fn configuration_of_the_target_is_found() {
     let ur = robot("universal_ur5e");
-    let ur = Arm::builder(&ur, "base", "flange").with_atlas(false).build();
+    let ur = Arm::builder(&ur, "base", "flange")
+        .with_atlas(false)
+        .build();
     let arms = [
         (ur.unwrap(), Argument::ThreeParallelAxes),
         (full_turn(&PUMA), Argument::SphericalWrist),
@@ -152,7 +154,12 @@ fn nearly_structured_arms_have_equal_numbers_of_solutions() {
             let mut near = of_tilted.0.solutions.iter();
             near.any(|other| angle_between(&solution.q, &other.q) < 0.2)
         };
-        let near = all.0.solutions.iter().filter(|solution| is_near(solution)).count();
+        let near = all
+            .0
+            .solutions
+            .iter()
+            .filter(|solution| is_near(solution))
+            .count();
         assert!(near >= 6 || all.0.solutions.len() < 8, "{near}");
     }
 }
@@ -227,7 +234,11 @@ fn branches_name_the_solutions() {
             let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
             let all = arm.solve_all(target).unwrap();
             let mut branches: Vec<_> = all.solutions.iter().map(|s| s.branch).collect();
-            assert!(branches.iter().all(|b| b.shoulder.is_some() && b.elbow.is_some()));
+            assert!(
+                branches
+                    .iter()
+                    .all(|b| b.shoulder.is_some() && b.elbow.is_some())
+            );
             branches.sort_by_key(|branch| format!("{branch:?}"));
             let repeated = branches.chunk_by(|a, b| a == b).map(<[_]>::len);
             assert!(repeated.into_iter().all(|count| count == turns));
@@ -240,12 +251,23 @@ fn branches_name_the_solutions() {
 fn singular_poses_keep_their_solutions() {
     let arm = full_turn(&PUMA);
     // The elbow angle at which the wrist is farthest from the shoulder.
-    let stretched = [0.3, -0.4, (0.0203_f64 / 0.4318).atan() + FRAC_PI_2, 0.5, 0.8, -0.2];
-    let all = arm.solve_all(arm.base_from_tool(&stretched).unwrap()).unwrap();
+    let stretched = [
+        0.3,
+        -0.4,
+        (0.0203_f64 / 0.4318).atan() + FRAC_PI_2,
+        0.5,
+        0.8,
+        -0.2,
+    ];
+    let all = arm
+        .solve_all(arm.base_from_tool(&stretched).unwrap())
+        .unwrap();
     let is_near = |s: &PoseSolution| angle_between(&s.q, &stretched) < 1e-3;
     assert!(all.solutions.iter().any(is_near), "{all:?}");
     let aligned = [0.3, -0.4, 0.8, 0.5, 0.0, -0.2];
-    let all = arm.solve_all(arm.base_from_tool(&aligned).unwrap()).unwrap();
+    let all = arm
+        .solve_all(arm.base_from_tool(&aligned).unwrap())
+        .unwrap();
     assert!(all.has_family && !all.complete && all.argument == Argument::None);
     assert!(!all.solutions.is_empty());
 }

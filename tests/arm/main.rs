@@ -24,6 +24,7 @@ mod reproducibility;
 mod reused_arms;
 mod reversed_chains;
 mod searches;
+mod self_motions;
 mod servo;
 mod servo_cycles;
 mod servo_limits;

@@ -9,7 +9,7 @@ use kinopt_bindings::problem_file::body::{Centre, Foot, Lock};
 use kinopt_bindings::problem_file::interval::Interval;
 use kinopt_bindings::problem_file::methods;
 use kinopt_bindings::problem_file::number_list::{not_negative, parse, parse_exactly, positive};
-use kinopt_bindings::problem_file::start::{Start, search};
+use kinopt_bindings::problem_file::start::{SolutionChoice, Start, search};
 use kinopt_bindings::problem_file::target::{FrameTarget, RayTarget};
 
 #[test]

@@ -1,6 +1,6 @@
 """All solutions of random poses by kinopt compared with EAIK and ssik.
 
-Usage: ``python complete_sets.py [--poses N] [ARM...]``, in the root of the repository. The environment needs kinopt's
+Usage: ``python complete_sets.py [--poses N] [--plot FILE] [ARM...]``, in the root of the repository. The environment needs kinopt's
 wheel and requirements-complete-sets.txt.
 
 The arms are ssik's prebuilt ones, named as its modules. Their joint axes go to all solvers, without limits: joints of
@@ -68,6 +68,15 @@ class Chain:
             joint[:3, :3] = rotation(axis, value)
             pose = pose @ placement @ joint
         return pose @ self.tool
+
+    def points(self, q):
+        """Origins of the joints and of the tool."""
+        pose, points = np.eye(4), []
+        for placement, axis, value in zip(self.placements, self.axes, q):
+            pose = pose @ placement
+            points.append(pose[:3, 3].copy())
+            pose[:3, :3] = pose[:3, :3] @ rotation(axis, value)
+        return [*points, (pose @ self.tool)[:3, 3]]
 
     def closes(self, q, target):
         pose = self.pose(q)
@@ -165,11 +174,32 @@ def seven_joints(name, poses):
     print(f"| {name.split('.')[1][:-3]} | {np.mean(arcs):.1f} | {total} | {missing} | {np.median(times) / 1e3:.1f} |", flush=True)
 
 
+def plot(path):
+    """Draws the solutions of a UR5e for one pose, and the self-motions of an iiwa."""
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(10, 4.5), layout="constrained")
+    chain = Chain("universal_robots.ur5e_ik")
+    space = figure.add_subplot(1, 2, 1, projection="3d")
+    for q in chain.kinopt().solve_all(chain.pose([0.5, -1.3, 1.2, -0.7, 1.0, 0.2])).q:
+        space.plot(*np.array(chain.points(q)).T, marker="o", markersize=3)
+    space.set(title="UR5e: all solutions of a pose", xlabel="x, m", ylabel="y, m", zlabel="z, m", aspect="equal")
+    chain = Chain("kuka.iiwa14_ik")
+    axes = figure.add_subplot(1, 2, 2)
+    for motion in chain.kinopt().self_motions(chain.pose([0.3, 0.4, 0.2, -1.2, 0.1, 0.9, 0.5])):
+        axes.plot(motion.q[:, 2], motion.q[:, 4])
+    axes.set(title="iiwa 14: self-motions for a pose", xlabel="joint 3, rad", ylabel="joint 5, rad")
+    figure.savefig(path, dpi=110)
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--poses", type=int, default=2000)
+    options.add_argument("--plot", help="file of the picture of docs/guide/complete-solutions.md; nothing is measured")
     options.add_argument("arms", nargs="*", default=SIX + SEVEN)
     chosen = options.parse_args()
+    if chosen.plot:
+        return plot(chosen.plot)
     print("| arm | solutions | complete | of EAIK's missing | of ssik's missing | not found by ssik | kinopt, µs | EAIK, µs | ssik, µs |")
     print("|---|---:|---:|---:|---:|---:|---:|---:|---:|")
     for name in chosen.arms:

@@ -9,7 +9,7 @@ use kinopt_bindings::problem_file::ProblemSettings;
 use kinopt_bindings::problem_file::body::Lock;
 use kinopt_bindings::problem_file::interval::Interval;
 use kinopt_bindings::problem_file::number_list::{self, Numbers};
-use kinopt_bindings::problem_file::start::{self, Start};
+use kinopt_bindings::problem_file::start::{self, SolutionChoice, Start};
 use kinopt_bindings::problem_file::target::{FrameTarget, parse_placement};
 
 use crate::collision_options::ObstacleOptions;

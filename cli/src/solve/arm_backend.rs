@@ -8,6 +8,7 @@ use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 use kinopt_bindings::problem_file::number_list::Numbers;
+use kinopt_bindings::problem_file::start::SolutionChoice;
 use kinopt_bindings::problem_file::{ProblemSettings, SolveSettings};
 
 use super::arguments::ServoOptions;
@@ -67,7 +68,11 @@ impl<'a> ArmBackend<'a> {
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
             .with_goal(goal_bounds.goal)
-            .with_search(options.search.map_or(Search::default(), SolutionChoice::search))
+            .with_search(
+                options
+                    .search
+                    .map_or(Search::default(), SolutionChoice::search),
+            )
             .with_global_search_on_miss(options.global_search_on_miss)
             .with_seed(options.rng_seed)
             .with_position_tolerance(length)

@@ -4,7 +4,7 @@ use kinopt::arm::Search;
 use kinopt::ik::crouched_configuration;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
-use kinopt_bindings::problem_file::start::Start;
+use kinopt_bindings::problem_file::start::{SolutionChoice, Start};
 use kinopt_bindings::problem_file::{BodySettings, ModelSettings, ProblemSettings, SolveSettings};
 
 use super::balance::up_axis;

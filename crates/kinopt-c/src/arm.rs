@@ -16,7 +16,6 @@ use crate::settings::settings;
 use crate::solution::KinoptSolution;
 use crate::world::{KinoptCollisionModel, KinoptWorld};
 
-
 /// An arm: the joints from a base to a tip of a robot, prepared for queries. It is immutable.
 pub struct KinoptArm {
     pub(crate) inner: Arc<Arm>,

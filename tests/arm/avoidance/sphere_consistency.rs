@@ -53,7 +53,6 @@ fn solutions_do_not_depend_on_spheres() {
     assert!(reported > 5 && unclear > 2, "{unclear} of {reported}");
 }
 
-
 /// A bar that rotates above a post, 0.3 rad from its start.
 const BAR: &str = r#"<robot name="bar"><link name="post"><collision><origin xyz="0.4777 0.1478 0"/>
     <geometry><box size="0.02 0.02 0.1"/></geometry></collision></link>

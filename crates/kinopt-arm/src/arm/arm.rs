@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, Mutex, OnceLock};
 
+use super::all_solutions::SixRevolute;
 use super::coordinates::Coordinates;
 use super::default_start::middle_of;
 use super::options::Options;
-use super::all_solutions::SixRevolute;
 use super::rate_limits::RateLimits;
 use super::seed_table::SeedTable;
 use super::serial_chain::Serial;

@@ -102,18 +102,12 @@ fn functions(
 
 /// Angles 0, π and π/2.
 const SAMPLED: [Angle; 3] = [
-    Angle {
-        cos: 1.0,
-        sin: 0.0,
-    },
+    Angle { cos: 1.0, sin: 0.0 },
     Angle {
         cos: -1.0,
         sin: 0.0,
     },
-    Angle {
-        cos: 0.0,
-        sin: 1.0,
-    },
+    Angle { cos: 0.0, sin: 1.0 },
 ];
 
 /// Fixed weights of the equations in three combinations.
@@ -221,12 +215,11 @@ impl Elimination {
     fn equations(&self, inverse: &Placement<f64>) -> Equations {
         let [third, fourth, fifth] = self.left_joints();
         let sixth = self.numbering.sixth;
-        let back = |step: usize, (direction, point): (Vector3<f64>, Vector3<f64>)| {
-            match step == sixth {
+        let back =
+            |step: usize, (direction, point): (Vector3<f64>, Vector3<f64>)| match step == sixth {
                 true => (inverse.rotation * direction, inverse.apply(point)),
                 false => (direction, point),
-            }
-        };
+            };
         let line = &self.axes[sixth];
         let line = back(0, (line.direction, line.point));
         // Values at [joint 3][joint 4][joint 5].
@@ -238,8 +231,10 @@ impl Elimination {
                 for (i3, &q3) in SAMPLED.iter().enumerate() {
                     let (direction, point) = back(3, self.moved(third, q3, line));
                     let f = functions(direction, point, self.origin);
-                    for ((value, row), constant) in
-                        values[i3][i4][i5].iter_mut().zip(&self.rows).zip(&self.constant)
+                    for ((value, row), constant) in values[i3][i4][i5]
+                        .iter_mut()
+                        .zip(&self.rows)
+                        .zip(&self.constant)
                     {
                         *value = row.iter().zip(&f).map(|(a, b)| a * b).sum::<f64>() - constant;
                     }
@@ -302,7 +297,9 @@ impl Elimination {
 
     /// The determinant as a polynomial of joint 3, and its relative deviation from its samples.
     fn determinant(&self, equations: &Equations) -> (Trigonometric, f64) {
-        Trigonometric::fit(DEGREE, EXTRA_SAMPLES, |q3| determinant_of(self.matrix_at(equations, q3)))
+        Trigonometric::fit(DEGREE, EXTRA_SAMPLES, |q3| {
+            determinant_of(self.matrix_at(equations, q3))
+        })
     }
 
     /// The equations at a value of joint 3.
@@ -324,7 +321,12 @@ impl Elimination {
         max_residual: f64,
         mut visit: impl FnMut(Angle, Angle),
     ) {
-        let size = equations.iter().flatten().map(|v| v * v).sum::<f64>().sqrt();
+        let size = equations
+            .iter()
+            .flatten()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt();
         // Three combinations of the equations, by monomials of both joints.
         let mut combined = [[0.0; 9]; 3];
         for (k, row) in combined.iter_mut().enumerate() {
@@ -357,14 +359,15 @@ impl Elimination {
             }
             let [x, y, z] = squares.map(Vector3::from);
             let products = [x.cross(y), y.cross(z), z.cross(x)];
-            let longest = (products.into_iter())
-                .max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+            let longest =
+                (products.into_iter()).max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
             let Some(null) = longest.filter(|v| v.norm_squared() > 0.0) else {
                 return;
             };
             let null = null * null.norm().recip();
             let residual = [x, y, z].map(|row| row.dot(null));
-            let residual = (residual[0] * null.x + residual[1] * null.y + residual[2] * null.z).abs();
+            let residual =
+                (residual[0] * null.x + residual[1] * null.y + residual[2] * null.z).abs();
             if residual.sqrt() > max_residual * size {
                 return;
             }
@@ -421,11 +424,19 @@ impl Elimination {
         let (l, x) = left((axis.direction, axis.point));
         let (l0, p0) = (axis.direction, axis.point - first.point);
         // E₁·E₂ moves (l, x) to (l₀, p₀). Four equations, linear in the second joint.
-        let (h, offset, y) = (first.direction, second.point - first.point, x - second.point);
+        let (h, offset, y) = (
+            first.direction,
+            second.point - first.point,
+            x - second.point,
+        );
         let row = |w: Vector3<f64>, v: Vector3<f64>, d: f64| {
             let across = second.across(v);
             let along = w.dot(v - across);
-            [w.dot(across), w.dot(second.direction.cross(across)), d - along]
+            [
+                w.dot(across),
+                w.dot(second.direction.cross(across)),
+                d - along,
+            ]
         };
         let equations = [
             row(h, l, h.dot(l0)),
@@ -461,10 +472,7 @@ impl Elimination {
             found.push(q);
         };
         if determinant > 1e-10 * (aa + bb) * (aa + bb) {
-            add(Angle::of_point(
-                ad * bb - bd * ab,
-                bd * aa - ad * ab,
-            ));
+            add(Angle::of_point(ad * bb - bd * ab, bd * aa - ad * ab));
             return;
         }
         let longest = equations.iter().max_by(|a, b| {

@@ -270,7 +270,8 @@ fn collision_free_parts(
         }
         continues = true;
         if let Some(part) = parts.last_mut() {
-            part.q.extend_from_slice(&motion.q[index * n..(index + 1) * n]);
+            part.q
+                .extend_from_slice(&motion.q[index * n..(index + 1) * n]);
         }
     }
     Ok(parts)

@@ -112,10 +112,12 @@ pub(super) fn polish(
         let end = goal.apply(tool) - Vector3::new(residual[0], residual[1], residual[2]);
         let columns = columns(&current, end);
         let step = match damping > 0.0 {
-            false => solve_square(transposed(&columns), residual).filter(|step| largest(step) <= MAX_STEP),
+            false => solve_square(transposed(&columns), residual)
+                .filter(|step| largest(step) <= MAX_STEP),
             true => None,
         };
-        let step = step.unwrap_or_else(|| damped_step(&columns, &residual, f64::max(damping, size)));
+        let step =
+            step.unwrap_or_else(|| damped_step(&columns, &residual, f64::max(damping, size)));
         let shrink = (MAX_STEP / largest(&step)).min(1.0);
         let mut trial = *q;
         for (q, step) in trial.iter_mut().zip(&step) {
@@ -157,12 +159,17 @@ fn transposed(columns: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
 }
 
 fn largest(step: &[f64; 6]) -> f64 {
-    step.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()))
+    step.iter()
+        .fold(0.0, |largest: f64, v| largest.max(v.abs()))
 }
 
 /// Direction in which a nearly singular configuration can move, if its smallest singular value is below
 /// [`NEARLY_SINGULAR`].
-pub(super) fn null_direction(axes: &[Screw; 6], tool: Vector3<f64>, q: &[Angle; 6]) -> Option<[f64; 6]> {
+pub(super) fn null_direction(
+    axes: &[Screw; 6],
+    tool: Vector3<f64>,
+    q: &[Angle; 6],
+) -> Option<[f64; 6]> {
     let mut current = *axes;
     let end = forward(axes, q, &mut current).apply(tool);
     let columns = columns(&current, end);

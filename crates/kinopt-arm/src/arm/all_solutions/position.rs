@@ -196,7 +196,14 @@ impl<F: FnMut([Angle; 3])> Candidates<'_, F> {
     }
 
     /// Solves the second joint: rotated u has the component `value` along `e1`, an axis of its plane.
-    fn each_second(&mut self, q3: Angle, u: Vector3<f64>, e1: Vector3<f64>, e2: Vector3<f64>, value: f64) {
+    fn each_second(
+        &mut self,
+        q3: Angle,
+        u: Vector3<f64>,
+        e1: Vector3<f64>,
+        e2: Vector3<f64>,
+        value: f64,
+    ) {
         let h2 = self.solver.axes[1].direction;
         let (x, y) = (u.dot(e1), u.dot(e2));
         // e1, e2 is right-handed about ±h2.

@@ -102,11 +102,13 @@ pub(super) fn common_normal(a: &Screw, b: &Screw) -> [Vector3<f64>; 2] {
 pub(super) fn common_point(axes: &[Screw], tolerance: f64) -> Option<Vector3<f64>> {
     let [a, b, c] = axes else { return None };
     let pairs = [(a, b, c), (b, c, a), (a, c, b)];
-    pairs.into_iter().find_map(|(a, b, c)| match relation(a, b, tolerance) {
-        Relation::Intersecting(point) => {
-            let distance = c.across(point - c.point).norm();
-            (distance <= tolerance).then_some(point)
-        }
-        _ => None,
-    })
+    pairs
+        .into_iter()
+        .find_map(|(a, b, c)| match relation(a, b, tolerance) {
+            Relation::Intersecting(point) => {
+                let distance = c.across(point - c.point).norm();
+                (distance <= tolerance).then_some(point)
+            }
+            _ => None,
+        })
 }

@@ -84,12 +84,16 @@ fn difference(a: f64, b: f64) -> f64 {
 }
 
 fn largest_difference(a: &Q, b: &Q) -> f64 {
-    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| largest.max(difference(*a, *b).abs()))
+    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| {
+        largest.max(difference(*a, *b).abs())
+    })
 }
 
 /// True if a configuration lies on a curve, up to whole turns.
 fn is_on(curve: &Curve, q: &Q) -> bool {
-    let wraps = curve.closed.then(|| [curve.samples.last(), curve.samples.first()]);
+    let wraps = curve
+        .closed
+        .then(|| [curve.samples.last(), curve.samples.first()]);
     let last = wraps.and_then(|[a, b]| Some([*a?, *b?]));
     let pairs = curve.samples.windows(2).map(|pair| [pair[0], pair[1]]);
     pairs.chain(last).any(|[a, b]| {
@@ -130,11 +134,15 @@ fn trace_along(
     let first_tangent = tangent;
     let (mut q, mut step) = (*start, STEP);
     while samples.len() < MAX_SAMPLES {
-        let longest = tangent.iter().fold(0.0, |longest: f64, v| longest.max(v.abs()));
+        let longest = tangent
+            .iter()
+            .fold(0.0, |longest: f64, v| longest.max(v.abs()));
         let length = step / longest;
         let mut next: Q = std::array::from_fn(|i| q[i] + length * tangent[i]);
         let value = dot(&tangent, &next);
-        let advanced = chain.correct(&mut next, target, &tangent, value).then_some(next);
+        let advanced = chain
+            .correct(&mut next, target, &tangent, value)
+            .then_some(next);
         let advanced = advanced.filter(|next| largest_difference(next, &q) <= MAX_JOINT_STEP);
         let turned = advanced.and_then(|next| {
             let tangent_there = chain.tangent(&next, target, Some(&tangent))?;
@@ -184,12 +192,18 @@ fn cut(
     let closes_in_space = (0..7).all(|i| winding[i] == 0.0 || !is_bounded[i]);
     // A curve with winding is laid out over as many rounds as a joint's range can hold.
     let rounds = (0..7).filter(|&i| winding[i] != 0.0 && is_bounded[i]);
-    let rounds = rounds.map(|i| ((limits[i].upper - limits[i].lower) / winding[i].abs()).ceil() as usize);
+    let rounds =
+        rounds.map(|i| ((limits[i].upper - limits[i].lower) / winding[i].abs()).ceil() as usize);
     let rounds = rounds.max().map_or(1, |rounds| rounds.max(1) + 1);
     let mut samples: Vec<Q> = Vec::new();
     for round in 0..rounds {
         let shift = winding.map(|w| w * round as f64);
-        samples.extend(curve.samples.iter().map(|q| -> Q { std::array::from_fn(|i| q[i] + shift[i]) }));
+        samples.extend(
+            curve
+                .samples
+                .iter()
+                .map(|q| -> Q { std::array::from_fn(|i| q[i] + shift[i]) }),
+        );
     }
     if curve.closed
         && let Some(first) = samples.first().copied()
@@ -199,9 +213,11 @@ fn cut(
     }
     // Whole turns of every joint that bring some sample within its limits.
     let turns: [Vec<f64>; 7] = std::array::from_fn(|i| {
-        let (low, high) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
-            (low.min(q[i]), high.max(q[i]))
-        });
+        let (low, high) = samples
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
+                (low.min(q[i]), high.max(q[i]))
+            });
         if !is_bounded[i] {
             return vec![0.0];
         }
@@ -215,7 +231,15 @@ fn cut(
     }
     loop {
         let shift: Q = std::array::from_fn(|i| turns[i][index[i]]);
-        cut_at_limits(chain, target, &samples, &shift, limits, curve.closed && closes_in_space, arcs);
+        cut_at_limits(
+            chain,
+            target,
+            &samples,
+            &shift,
+            limits,
+            curve.closed && closes_in_space,
+            arcs,
+        );
         let advanced = (0..7).any(|i| {
             index[i] += 1;
             let carries = index[i] == turns[i].len();
@@ -240,7 +264,9 @@ fn cut_at_limits(
     closed: bool,
     arcs: &mut Vec<Arc>,
 ) {
-    let shifted = samples.iter().map(|q| -> Q { std::array::from_fn(|i| q[i] + shift[i]) });
+    let shifted = samples
+        .iter()
+        .map(|q| -> Q { std::array::from_fn(|i| q[i] + shift[i]) });
     let is_within = |q: &Q| (0..7).all(|i| limits[i].lower <= q[i] && q[i] <= limits[i].upper);
     let first_arc = arcs.len();
     let (mut run, mut last): (Vec<Q>, Option<Q>) = (Vec::new(), None);
@@ -286,7 +312,8 @@ fn cut_at_limits(
             }
             _ => [0.0; 7],
         };
-        run.iter_mut().for_each(|q| q.iter_mut().zip(&unwound).for_each(|(q, w)| *q -= w));
+        run.iter_mut()
+            .for_each(|q| q.iter_mut().zip(&unwound).for_each(|(q, w)| *q -= w));
         run.append(&mut arcs[first_arc].samples);
         arcs[first_arc].samples = run;
         return;
@@ -310,7 +337,9 @@ fn at_limit(
         let t = (limit - inside[i]) / (outside[i] - inside[i]);
         (limit != outside[i]).then_some((t, i, limit))
     };
-    let (t, joint, limit) = (0..7).filter_map(crossing).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (t, joint, limit) = (0..7)
+        .filter_map(crossing)
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut q: Q = std::array::from_fn(|i| inside[i] + t * (outside[i] - inside[i]));
     let mut row = [0.0; 7];
     row[joint] = 1.0;

@@ -114,17 +114,16 @@ impl SevenRevolute {
     }
 
     /// Moves a configuration to the target within the hyperplane row·q = value. Returns false if it does not converge.
-    pub(super) fn correct(
-        &self,
-        q: &mut Q,
-        target: &Placement<f64>,
-        row: &Q,
-        value: f64,
-    ) -> bool {
+    pub(super) fn correct(&self, q: &mut Q, target: &Placement<f64>, row: &Q, value: f64) -> bool {
         for _ in 0..MAX_STEPS {
             let (error, columns) = self.linearise(q, target);
             let gap = value - dot(row, q);
-            let size = error.iter().map(|v| v * v).sum::<f64>().sqrt().max(gap.abs());
+            let size = error
+                .iter()
+                .map(|v| v * v)
+                .sum::<f64>()
+                .sqrt()
+                .max(gap.abs());
             if size <= CLOSED {
                 return true;
             }
@@ -137,7 +136,9 @@ impl SevenRevolute {
             let Some(step) = solve_square(rows, right) else {
                 return false;
             };
-            let longest = step.iter().fold(0.0, |longest: f64, v| longest.max(v.abs()));
+            let longest = step
+                .iter()
+                .fold(0.0, |longest: f64, v| longest.max(v.abs()));
             let shrink = (MAX_STEP / longest).min(1.0);
             for (q, step) in q.iter_mut().zip(&step) {
                 *q += step * shrink;
@@ -180,7 +181,9 @@ impl SevenRevolute {
             v
         };
         let residues: [Q; 7] = std::array::from_fn(residue);
-        let longest = residues.into_iter().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))?;
+        let longest = residues
+            .into_iter()
+            .max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))?;
         let norm = dot(&longest, &longest).sqrt();
         let sign = match last {
             Some(last) if dot(&longest, last) < 0.0 => -1.0,

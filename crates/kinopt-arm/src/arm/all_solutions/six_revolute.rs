@@ -121,7 +121,12 @@ impl SixRevolute {
         }
         let mut base_from_tool = base_from_joint * *chain.joint_from_tip();
         base_from_tool.translation = base_from_tool.translation * length.recip();
-        Some(Self::by_method(axes, base_from_tool, length, &Self::method_of(&axes)))
+        Some(Self::by_method(
+            axes,
+            base_from_tool,
+            length,
+            &Self::method_of(&axes),
+        ))
     }
 
     /// True if an arm with these axes has a closed form.
@@ -147,8 +152,7 @@ impl SixRevolute {
         choice: &MethodChoice,
     ) -> Self {
         let closed_form = closed_form_of(axes).map(|method| (method, false));
-        let closed_form =
-            closed_form.or_else(|| Some((closed_form_of(reversed(&axes))?, true)));
+        let closed_form = closed_form.or_else(|| Some((closed_form_of(reversed(&axes))?, true)));
         let (method, reversed) = closed_form.unwrap_or_else(|| {
             let choices = choice.eliminations.iter();
             let eliminations =
@@ -220,7 +224,11 @@ impl SixRevolute {
                 }
             }
         }
-        self.judge(&displacement, (position_tolerance, orientation_tolerance), set);
+        self.judge(
+            &displacement,
+            (position_tolerance, orientation_tolerance),
+            set,
+        );
     }
 
     /// Polishes the candidates and keeps the roots. Returns the number of candidates that lead to none.

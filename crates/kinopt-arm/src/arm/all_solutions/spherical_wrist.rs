@@ -30,7 +30,9 @@ impl SphericalWrist {
             relation(&axes[0], &axes[1], tolerance),
         ) {
             (Relation::Parallel, _) => BranchSigns::ParallelArm { centre },
-            (_, Relation::Intersecting(shoulder)) => BranchSigns::MeetingShoulder { centre, shoulder },
+            (_, Relation::Intersecting(shoulder)) => {
+                BranchSigns::MeetingShoulder { centre, shoulder }
+            }
             _ => BranchSigns::Wrist,
         };
         Some(Self {

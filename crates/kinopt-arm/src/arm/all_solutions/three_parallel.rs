@@ -2,8 +2,8 @@
 
 use super::angle::{Angle, LinearRoots, solve_linear};
 use super::branches::BranchSigns;
-use super::screw::{Relation, Screw, common_normal, relation};
 use super::position::QUARTIC_HALVINGS;
+use super::screw::{Relation, Screw, common_normal, relation};
 use super::trigonometric::{RootFinder, Trigonometric};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
@@ -26,12 +26,15 @@ impl ThreeParallel {
         };
         let parallel = is_parallel(1, 2, tolerance) && is_parallel(1, 3, tolerance);
         let others = [(0, 1), (3, 4), (4, 5)];
-        if !parallel || others.iter().any(|&(a, b)| is_parallel(a, b, 100.0 * tolerance)) {
+        if !parallel
+            || others
+                .iter()
+                .any(|&(a, b)| is_parallel(a, b, 100.0 * tolerance))
+        {
             return None;
         }
-        let is_apart = |a: usize, b: usize| {
-            axes[a].across(axes[b].point - axes[a].point).norm() > tolerance
-        };
+        let is_apart =
+            |a: usize, b: usize| axes[a].across(axes[b].point - axes[a].point).norm() > tolerance;
         if !(is_apart(1, 2) && is_apart(2, 3)) {
             return None;
         }
@@ -67,7 +70,11 @@ impl ThreeParallel {
         // h · R1ᵀ·v = Σ of coefficients · (1, cos q1, sin q1).
         let rotated = |v: Vector3<f64>| {
             let along = first.direction * first.direction.dot(v);
-            [h.dot(along), h.dot(v - along), -h.dot(first.direction.cross(v))]
+            [
+                h.dot(along),
+                h.dot(v - along),
+                -h.dot(first.direction.cross(v)),
+            ]
         };
         // h · R5·v.
         let moved = |v: Vector3<f64>| {
@@ -102,10 +109,7 @@ impl ThreeParallel {
         let right = |q1: Angle| {
             let at = |f: &[f64; 3]| f[0] + f[1] * q1.cos + f[2] * q1.sin;
             let (a, b) = (at(&goal) - tilt[0], at(&height) - constant - offset[0]);
-            (
-                a * offset[2] - b * tilt[2],
-                tilt[1] * b - offset[1] * a,
-            )
+            (a * offset[2] - b * tilt[2], tilt[1] * b - offset[1] * a)
         };
         let (quartic, _) = Trigonometric::fit(2, 0, |q1| {
             let (x, y) = right(q1);

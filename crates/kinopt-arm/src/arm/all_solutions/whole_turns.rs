@@ -69,7 +69,9 @@ impl Turns {
 
     /// Number of configurations; at the largest number of an integer if there are more.
     pub(super) fn count(&self) -> usize {
-        self.counts.iter().fold(1, |product: usize, &count| product.saturating_mul(count))
+        self.counts
+            .iter()
+            .fold(1, |product: usize, &count| product.saturating_mul(count))
     }
 
     /// Reduces the enumeration to the configuration nearest to the start.
