@@ -412,8 +412,8 @@ impl Arm {
     /// The self-motions of an arm of seven revolute joints: all curves of configurations that keep the tool at a target,
     /// as a list of `SelfMotion`, one for each connected component within the limits.
     ///
-    /// Samples are at most 0.05 rad apart in the largest joint. A closed curve within less than 0.05 rad of one joint can
-    /// be missing. The result is None for other arms, and for other goals than the full pose.
+    /// Samples are at most 0.05 rad apart in the largest joint. A closed curve within less than 0.05 rad of two of
+    /// the joints can be missing. The result is None for other arms, and for other goals than the full pose.
     ///
     /// Raises `InvalidValueError` for a target that is not a rigid motion to 1e-6.
     fn self_motions(

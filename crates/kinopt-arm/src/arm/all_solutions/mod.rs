@@ -111,8 +111,8 @@ impl Arm {
     ///
     /// Each curve is a connected component within the joint limits. A joint with whole turns within its limits gives
     /// further components. With a checker a component ends where it collides, to the spacing of the samples. The curves
-    /// are those through 128 equidistant values of one joint, so that a closed curve within less than 0.05 rad of this
-    /// joint can be missing.
+    /// are those through 128 equidistant values of two joints, so that a closed curve within less than 0.05 rad of both
+    /// can be missing.
     ///
     /// Returns `None` for an arm without seven revolute joints, or with another goal than the full pose.
     ///

@@ -214,9 +214,9 @@ fn solve_damped(columns: &[[f64; 6]; 6], right: &[f64; 6], damping: f64) -> [f64
             if i == j {
                 sum += damping * damping + SMALL_DAMPING * SMALL_DAMPING;
             }
-            for k in 0..j {
-                sum -= factor[i][k] * factor[j][k];
-            }
+            let (row, other) = (factor[i], factor[j]);
+            let products = row.iter().zip(&other).take(j).map(|(a, b)| a * b);
+            sum -= products.sum::<f64>();
             factor[i][j] = match i == j {
                 true => sum.max(1e-20).sqrt(),
                 false => sum / factor[j][j],

@@ -1,8 +1,8 @@
 //! Self-motions of seven revolute joints: curves of configurations that keep the tool at its target.
 //!
-//! Slices lock one joint at equidistant values and solve the six others completely. From every solution the curve is
-//! traced along the null space, through the turning points of the locked joint, until it closes. Joint limits then cut
-//! the curves.
+//! Slices lock one joint at equidistant values and solve the six others completely; then another joint. From every
+//! solution the curve is traced along the null space, through the turning points of the locked joint, until it closes.
+//! Joint limits then cut the curves.
 
 use super::seven_revolute::{Q, SevenRevolute, dot};
 use super::six_revolute::SolutionSet;
@@ -49,24 +49,27 @@ pub(super) fn self_motions(
     scaled.translation = scaled.translation * chain.length.recip();
     let mut curves: Vec<Curve> = Vec::new();
     let mut set = SolutionSet::default();
-    let locked = chain.locked;
-    for slice in 0..SLICES {
-        // Off the multiples of simple fractions of a turn, at which arms are often singular.
-        let value = TAU * (slice as f64 + 0.372) / SLICES as f64 - std::f64::consts::PI;
-        chain.slice(value).solve(target, tolerances, &mut set);
-        for member in &set.solutions {
-            let mut q: Q = std::array::from_fn(|i| match i.cmp(&locked) {
-                std::cmp::Ordering::Less => member.q[i],
-                std::cmp::Ordering::Equal => value,
-                std::cmp::Ordering::Greater => member.q[i - 1],
-            });
-            if curves.iter().any(|curve| is_on(curve, &q)) {
-                continue;
-            }
-            let mut row = [0.0; 7];
-            row[locked] = 1.0;
-            if chain.correct(&mut q, &scaled, &row, value) {
-                curves.extend(trace(chain, &scaled, &q));
+    for sweep in &chain.sweeps {
+        let locked = sweep.joint;
+        for slice in 0..SLICES {
+            // Off the multiples of simple fractions of a turn, at which arms are often singular.
+            let value = TAU * (slice as f64 + 0.372) / SLICES as f64 - std::f64::consts::PI;
+            let solver = chain.slice(sweep, value);
+            solver.solve(target, tolerances, &mut set);
+            for member in &set.solutions {
+                let mut q: Q = std::array::from_fn(|i| match i.cmp(&locked) {
+                    std::cmp::Ordering::Less => member.q[i],
+                    std::cmp::Ordering::Equal => value,
+                    std::cmp::Ordering::Greater => member.q[i - 1],
+                });
+                if curves.iter().any(|curve| is_on(curve, &q)) {
+                    continue;
+                }
+                let mut row = [0.0; 7];
+                row[locked] = 1.0;
+                if chain.correct(&mut q, &scaled, &row, value) {
+                    curves.extend(trace(chain, &scaled, &q));
+                }
             }
         }
     }

@@ -16,6 +16,13 @@ const CLOSED: f64 = 1e-12;
 /// Longest step of a correction, radians.
 const MAX_STEP: f64 = 0.2;
 
+/// Joints that slices may lock, the preferred first. The elbow is last, as it moves little in many self-motions.
+const SWEPT_JOINTS: [usize; 7] = [2, 6, 4, 0, 5, 1, 3];
+/// Number of joints that slices lock. A loop that is missing is small in all of them.
+const SWEEPS: usize = 2;
+/// Value of a locked joint at which no axes of the slice are parallel by chance, radians.
+const GENERIC_VALUE: f64 = 0.83;
+
 /// Configuration of seven joints, radians.
 pub(super) type Q = [f64; 7];
 
@@ -28,16 +35,21 @@ pub(crate) struct SevenRevolute {
     base_from_tool: Placement<f64>,
     /// Length of the arm, metres.
     pub(super) length: f64,
-    /// Joint that the slices lock.
-    pub(super) locked: usize,
-    /// Method of all slices.
+    /// Joints that slices lock.
+    pub(super) sweeps: Vec<Sweep>,
+}
+
+/// Joint that slices lock, and the method of its slices.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep {
+    pub(super) joint: usize,
     method: MethodChoice,
 }
 
 impl SevenRevolute {
     /// Compiles the chain; `None` unless it has seven revolute joints.
     ///
-    /// Slices lock a joint that leaves a closed form, if there is one.
+    /// Slices lock joints that leave a closed form, if there are any.
     pub(crate) fn new(chain: &Chain) -> Option<Self> {
         let joints = chain.joints();
         let length = chain.extent();
@@ -62,20 +74,22 @@ impl SevenRevolute {
             axes,
             base_from_tool,
             length,
-            locked: 0,
-            method: MethodChoice::default(),
+            sweeps: Vec::new(),
         };
-        // A generic value, at which no axes of the slice are parallel by chance.
-        let value = 0.83;
-        // The middle joints first: an elbow that swivels.
-        let order = [2, 3, 4, 6, 5, 1, 0];
-        let has_closed_form = |&joint: &usize| {
-            let (axes, _) = chain.slice_axes(joint, value);
+        let has_closed_form = |&&joint: &&usize| {
+            let (axes, _) = chain.slice_axes(joint, GENERIC_VALUE);
             SixRevolute::has_closed_form(&axes)
         };
-        chain.locked = order.into_iter().find(has_closed_form).unwrap_or(order[0]);
-        let (axes, _) = chain.slice_axes(chain.locked, value);
-        chain.method = SixRevolute::method_of(&axes);
+        let mut joints: Vec<usize> = SWEPT_JOINTS.iter().filter(has_closed_form).copied().collect();
+        if joints.is_empty() {
+            joints.extend(SWEPT_JOINTS);
+        }
+        joints.truncate(SWEEPS);
+        let sweeps = joints.into_iter().map(|joint| Sweep {
+            joint,
+            method: SixRevolute::method_of(&chain.slice_axes(joint, GENERIC_VALUE).0),
+        });
+        chain.sweeps = sweeps.collect();
         Some(chain)
     }
 
@@ -89,10 +103,10 @@ impl SevenRevolute {
         (axes, lock * self.base_from_tool)
     }
 
-    /// The six other joints, with the locked joint at a value.
-    pub(super) fn slice(&self, value: f64) -> SixRevolute {
-        let (axes, base_from_tool) = self.slice_axes(self.locked, value);
-        SixRevolute::by_method(axes, base_from_tool, self.length, &self.method)
+    /// The six other joints, with the joint of a sweep at a value.
+    pub(super) fn slice(&self, sweep: &Sweep, value: f64) -> SixRevolute {
+        let (axes, base_from_tool) = self.slice_axes(sweep.joint, value);
+        SixRevolute::by_method(axes, base_from_tool, self.length, &sweep.method)
     }
 
     /// Pose error of a configuration to a target, and the Jacobian's columns, in lengths of the arm and radians.

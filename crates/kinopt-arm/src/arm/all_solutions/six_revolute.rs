@@ -40,8 +40,8 @@ const MAX_ROOT_ERROR: f64 = 0.05;
 /// Solver by the structure of the axes.
 #[derive(Clone, Debug)]
 enum Method {
-    SphericalWrist(SphericalWrist),
-    ThreeParallel(ThreeParallel),
+    SphericalWrist(Box<SphericalWrist>),
+    ThreeParallel(Box<ThreeParallel>),
     /// Numberings, best conditioned first.
     Elimination(Vec<Elimination>),
 }
@@ -214,7 +214,7 @@ impl SixRevolute {
                     let dropped = self.collect(&displacement, set);
                     set.deviation = conditioning.deviation;
                     // Solutions of a regular pose are even in number, as the polynomial's degree is.
-                    let is_even = set.roots.len() % 2 == 0;
+                    let is_even = set.roots.len().is_multiple_of(2);
                     let is_clear = dropped == 0 && conditioning.other_roots == 0;
                     let is_confirmed = index > 0 && set.roots.len() == known;
                     if is_even && (is_clear || is_confirmed) {
@@ -352,8 +352,12 @@ fn is_closer(a: &[Angle; 6], b: &[Angle; 6], distance: f64) -> bool {
 
 /// The closed form of an arm, if it has a spherical wrist or three parallel axes.
 fn closed_form_of(axes: [Screw; 6]) -> Option<Method> {
-    let wrist = SphericalWrist::new(axes, STRUCTURE_TOLERANCE).map(Method::SphericalWrist);
-    wrist.or_else(|| ThreeParallel::new(axes, STRUCTURE_TOLERANCE).map(Method::ThreeParallel))
+    let wrist = SphericalWrist::new(axes, STRUCTURE_TOLERANCE)
+        .map(|wrist| Method::SphericalWrist(Box::new(wrist)));
+    wrist.or_else(|| {
+        ThreeParallel::new(axes, STRUCTURE_TOLERANCE)
+            .map(|parallel| Method::ThreeParallel(Box::new(parallel)))
+    })
 }
 
 /// The numberings of an arm without a closed form, best conditioned first.
