@@ -265,7 +265,6 @@ private:
   detail::Owner<KinoptSolution, kinopt_solution_free> owner_;
 };
 
-/// Configurations, one a row, and errors of a batch.
 /// Solutions of a target.
 struct AllSolutions {
   /// Configurations, nearest to the start first.
@@ -274,6 +273,7 @@ struct AllSolutions {
   bool complete;
 };
 
+/// Configurations, one a row, and errors of a batch.
 struct Batch {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> q;
   std::vector<KinoptOutcome> outcomes;

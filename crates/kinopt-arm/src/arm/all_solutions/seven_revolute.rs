@@ -80,7 +80,11 @@ impl SevenRevolute {
             let (axes, _) = chain.slice_axes(joint, GENERIC_VALUE);
             SixRevolute::has_closed_form(&axes)
         };
-        let mut joints: Vec<usize> = SWEPT_JOINTS.iter().filter(has_closed_form).copied().collect();
+        let mut joints: Vec<usize> = SWEPT_JOINTS
+            .iter()
+            .filter(has_closed_form)
+            .copied()
+            .collect();
         if joints.is_empty() {
             joints.extend(SWEPT_JOINTS);
         }
