@@ -291,7 +291,19 @@ fn cut_at_limits(
                     closed: false,
                 });
             }
-            (false, _) => {}
+            (false, Some(last)) => {
+                if let Some(middle) = within_between(chain, target, last, &q, limits) {
+                    let mut samples: Vec<Q> =
+                        at_limit(chain, target, &middle, last, limits).into_iter().collect();
+                    samples.push(middle);
+                    samples.extend(at_limit(chain, target, &middle, &q, limits));
+                    arcs.push(Arc {
+                        samples,
+                        closed: false,
+                    });
+                }
+            }
+            (false, None) => {}
         }
         last = Some(q);
     }
@@ -325,6 +337,36 @@ fn cut_at_limits(
         samples: run,
         closed: false,
     });
+}
+
+/// A configuration within limits between two samples that are not; `None` if the segment passes beside the limits.
+fn within_between(
+    chain: &SevenRevolute,
+    target: &Placement<f64>,
+    a: &Q,
+    b: &Q,
+    limits: &[Limits; 7],
+) -> Option<Q> {
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for i in 0..7 {
+        let d = b[i] - a[i];
+        let (low, high) = ((limits[i].lower - a[i]) / d, (limits[i].upper - a[i]) / d);
+        // NaN of a joint that rests on a limit leaves the bounds as they are.
+        first = first.max(low.min(high));
+        last = last.min(low.max(high));
+    }
+    if first > last {
+        return None;
+    }
+    let t = 0.5 * (first + last);
+    let mut q: Q = std::array::from_fn(|i| a[i] + t * (b[i] - a[i]));
+    let along: Q = std::array::from_fn(|i| b[i] - a[i]);
+    let length = dot(&along, &along).sqrt();
+    let row = along.map(|v| v / length);
+    let value = dot(&row, &q);
+    let is_found = chain.correct(&mut q, target, &row, value);
+    let is_within = (0..7).all(|i| limits[i].lower <= q[i] && q[i] <= limits[i].upper);
+    (is_found && is_within).then_some(q)
 }
 
 /// The configuration at the limit that is passed first from `inside` to `outside`.
