@@ -64,7 +64,7 @@ fn arm_of(rows: &[Row], limits: Limits) -> Arm {
     builder.frame("base", None, Placement::identity());
     builder.frame("tool", parent, parent_from_joint);
     let model = builder.build().unwrap();
-    // So exact that near a singular pose no configuration beside a solution is one.
+    // So exact that near a singular pose no configuration next to a solution is one.
     let arm = Arm::builder(&model, "base", "tool").with_position_tolerance(1e-10);
     let arm = arm.with_orientation_tolerance(1e-10).with_atlas(false);
     arm.build().unwrap()

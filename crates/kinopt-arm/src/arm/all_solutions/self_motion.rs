@@ -183,7 +183,7 @@ fn cut(
     limits: &[Limits; 7],
     arcs: &mut Vec<Arc>,
 ) {
-    // One turn of a joint without limits stands for all.
+    // One turn of a joint without limits represents all.
     let is_bounded = limits.map(|limits| limits.lower.is_finite() && limits.upper.is_finite());
     let winding: [f64; 7] = match (curve.samples.first(), curve.samples.last()) {
         (Some(first), Some(last)) if curve.closed => std::array::from_fn(|i| {
@@ -339,7 +339,7 @@ fn cut_at_limits(
     });
 }
 
-/// A configuration within limits between two samples that are not; `None` if the segment passes beside the limits.
+/// A configuration within limits between two samples that are not; `None` if the segment misses the limits.
 fn within_between(
     chain: &SevenRevolute,
     target: &Placement<f64>,

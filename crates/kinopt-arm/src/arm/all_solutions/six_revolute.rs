@@ -26,7 +26,7 @@ const ROOT_ERROR: f64 = 1e-10;
 const VALLEY: f64 = 0.1;
 /// Error above which a candidate of an elimination is dropped, lengths of the arm and radians.
 const MAX_CANDIDATE_ERROR: f64 = 0.3;
-/// Distances of the candidates beside a nearly singular root, radians.
+/// Distances of the candidates next to a nearly singular root, radians.
 const TWIN_DISTANCES: [f64; 4] = [-0.1, -0.01, 0.01, 0.1];
 /// Number of numberings of an arm without a closed form.
 const NUMBERINGS: usize = 4;
@@ -318,7 +318,7 @@ impl SixRevolute {
     }
 }
 
-/// Adds candidates beside a nearly singular root, whose twin an elimination may have merged with it.
+/// Adds candidates next to a nearly singular root, whose twin an elimination may have merged with it.
 fn add_twins(
     axes: &[Screw; 6],
     tool: Vector3<f64>,
