@@ -1,7 +1,9 @@
 //! Names of enum variants.
 
 use kinopt::animation::Playback;
-use kinopt::arm::{Argument, Elbow, HeldBy, Search, ServoStatus, Shoulder, Wrist};
+use kinopt::arm::{
+    Argument, ElbowBranch, HeldBy, Search, ServoStatus, ShoulderBranch, WristBranch,
+};
 use kinopt::ik::{BoundKind, Side};
 use kinopt::model::{LoopKind, UnknownName};
 use kinopt::motion::path::MissReason;
@@ -173,28 +175,28 @@ pub fn miss_reason(reason: &MissReason) -> String {
 
 /// Name of a branch of the shoulder.
 #[must_use]
-pub fn shoulder(branch: Shoulder) -> &'static str {
+pub fn shoulder(branch: ShoulderBranch) -> &'static str {
     match branch {
-        Shoulder::Left => "left",
-        Shoulder::Right => "right",
+        ShoulderBranch::Left => "left",
+        ShoulderBranch::Right => "right",
     }
 }
 
 /// Name of a branch of the elbow.
 #[must_use]
-pub fn elbow(branch: Elbow) -> &'static str {
+pub fn elbow(branch: ElbowBranch) -> &'static str {
     match branch {
-        Elbow::Up => "up",
-        Elbow::Down => "down",
+        ElbowBranch::Up => "up",
+        ElbowBranch::Down => "down",
     }
 }
 
 /// Name of a branch of the wrist.
 #[must_use]
-pub fn wrist(branch: Wrist) -> &'static str {
+pub fn wrist(branch: WristBranch) -> &'static str {
     match branch {
-        Wrist::NoFlip => "no_flip",
-        Wrist::Flip => "flip",
+        WristBranch::NoFlip => "no_flip",
+        WristBranch::Flip => "flip",
     }
 }
 

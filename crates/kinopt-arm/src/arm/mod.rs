@@ -67,7 +67,8 @@ mod workspace;
 
 pub use crate::simd_ik::PoseOutcome;
 pub use all_solutions::{
-    AllSolutions, Argument, Branch, Elbow, PoseSolution, SelfMotion, Shoulder, Wrist,
+    AllSolutions, Argument, ArmBranch, ElbowBranch, PoseSolution, SelfMotion, ShoulderBranch,
+    WristBranch,
 };
 pub use arm::Arm;
 pub use arm_model::ArmModel;

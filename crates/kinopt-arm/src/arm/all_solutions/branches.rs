@@ -7,7 +7,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 /// Side of the first axis on which the arm reaches its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Shoulder {
+pub enum ShoulderBranch {
     /// The factor of the shoulder is positive.
     Left,
     /// The factor of the shoulder is negative.
@@ -17,7 +17,7 @@ pub enum Shoulder {
 /// Side to which the elbow bends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Elbow {
+pub enum ElbowBranch {
     /// The factor of the elbow is positive.
     Up,
     /// The factor of the elbow is negative.
@@ -27,7 +27,7 @@ pub enum Elbow {
 /// One of the two postures of a wrist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Wrist {
+pub enum WristBranch {
     /// The factor of the wrist is positive.
     NoFlip,
     /// The factor of the wrist is negative.
@@ -49,13 +49,13 @@ pub enum Wrist {
 /// The signs depend on the directions of the axes in the robot's file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Branch {
+pub struct ArmBranch {
     /// Branch of the shoulder.
-    pub shoulder: Option<Shoulder>,
+    pub shoulder: Option<ShoulderBranch>,
     /// Branch of the elbow.
-    pub elbow: Option<Elbow>,
+    pub elbow: Option<ElbowBranch>,
     /// Branch of the wrist.
-    pub wrist: Option<Wrist>,
+    pub wrist: Option<WristBranch>,
 }
 
 /// Factors of the Jacobian's determinant of a structure. Points are those at zero joint values.
@@ -76,7 +76,7 @@ pub(super) enum BranchSigns {
 
 impl BranchSigns {
     /// Branch of a configuration.
-    pub(super) fn branch(&self, axes: &[Screw; 6], q: &[Angle; 6]) -> Branch {
+    pub(super) fn branch(&self, axes: &[Screw; 6], q: &[Angle; 6]) -> ArmBranch {
         let mut current = *axes;
         let mut displacement = Placement::identity();
         let mut before_last = displacement;
@@ -119,20 +119,20 @@ impl BranchSigns {
     }
 }
 
-fn branch_of(shoulder: Option<f64>, elbow: Option<f64>, wrist: Option<f64>) -> Branch {
+fn branch_of(shoulder: Option<f64>, elbow: Option<f64>, wrist: Option<f64>) -> ArmBranch {
     let by_sign = |value: f64| value > 0.0;
-    Branch {
+    ArmBranch {
         shoulder: shoulder.map(|value| match by_sign(value) {
-            true => Shoulder::Left,
-            false => Shoulder::Right,
+            true => ShoulderBranch::Left,
+            false => ShoulderBranch::Right,
         }),
         elbow: elbow.map(|value| match by_sign(value) {
-            true => Elbow::Up,
-            false => Elbow::Down,
+            true => ElbowBranch::Up,
+            false => ElbowBranch::Down,
         }),
         wrist: wrist.map(|value| match by_sign(value) {
-            true => Wrist::NoFlip,
-            false => Wrist::Flip,
+            true => WristBranch::NoFlip,
+            false => WristBranch::Flip,
         }),
     }
 }

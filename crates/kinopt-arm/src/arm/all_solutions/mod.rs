@@ -33,7 +33,7 @@ use crate::simd_ik::PoseOutcome;
 use kinopt_kinematics::model::Limits;
 use kinopt_kinematics::spatial::Placement;
 
-pub use branches::{Branch, Elbow, Shoulder, Wrist};
+pub use branches::{ArmBranch, ElbowBranch, ShoulderBranch, WristBranch};
 pub(super) use seven_revolute::SevenRevolute;
 pub(super) use six_revolute::{SixRevolute, SolutionSet};
 use whole_turns::{MAX_CONFIGURATIONS, Turns, nearest_turn};
@@ -76,7 +76,7 @@ pub struct PoseSolution {
     /// Orientation error, radians.
     pub orientation_error: f64,
     /// Branches of the shoulder, elbow and wrist.
-    pub branch: Branch,
+    pub branch: ArmBranch,
 }
 
 /// Solutions of a target, nearest to the start first.
@@ -354,7 +354,7 @@ fn found_set(
         q: workspace.attempt_end(index).to_vec(),
         position_error: workspace.outcomes[index].position_error,
         orientation_error: workspace.outcomes[index].orientation_error,
-        branch: Branch::default(),
+        branch: ArmBranch::default(),
     });
     Ok(AllSolutions {
         solutions: solutions.collect(),

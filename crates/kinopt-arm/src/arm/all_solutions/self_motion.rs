@@ -33,7 +33,7 @@ struct Curve {
 }
 
 /// An arc within limits.
-pub(super) struct Arc {
+pub(super) struct LimitedCurve {
     pub(super) samples: Vec<Q>,
     pub(super) closed: bool,
 }
@@ -44,7 +44,7 @@ pub(super) fn self_motions(
     target: &Placement<f64>,
     tolerances: (f64, f64),
     limits: &[Limits; 7],
-) -> Vec<Arc> {
+) -> Vec<LimitedCurve> {
     let mut scaled = *target;
     scaled.translation = scaled.translation * chain.length.recip();
     let mut curves: Vec<Curve> = Vec::new();
@@ -181,7 +181,7 @@ fn cut(
     target: &Placement<f64>,
     curve: &Curve,
     limits: &[Limits; 7],
-    arcs: &mut Vec<Arc>,
+    arcs: &mut Vec<LimitedCurve>,
 ) {
     // One turn of a joint without limits represents all.
     let is_bounded = limits.map(|limits| limits.lower.is_finite() && limits.upper.is_finite());
@@ -265,7 +265,7 @@ fn cut_at_limits(
     shift: &Q,
     limits: &[Limits; 7],
     closed: bool,
-    arcs: &mut Vec<Arc>,
+    arcs: &mut Vec<LimitedCurve>,
 ) {
     let shifted = samples
         .iter()
@@ -286,18 +286,19 @@ fn cut_at_limits(
             (true, _) => run.push(q),
             (false, Some(last)) if !run.is_empty() => {
                 run.extend(at_limit(chain, target, last, &q, limits));
-                arcs.push(Arc {
+                arcs.push(LimitedCurve {
                     samples: std::mem::take(&mut run),
                     closed: false,
                 });
             }
             (false, Some(last)) => {
                 if let Some(middle) = within_between(chain, target, last, &q, limits) {
-                    let mut samples: Vec<Q> =
-                        at_limit(chain, target, &middle, last, limits).into_iter().collect();
+                    let mut samples: Vec<Q> = at_limit(chain, target, &middle, last, limits)
+                        .into_iter()
+                        .collect();
                     samples.push(middle);
                     samples.extend(at_limit(chain, target, &middle, &q, limits));
-                    arcs.push(Arc {
+                    arcs.push(LimitedCurve {
                         samples,
                         closed: false,
                     });
@@ -313,7 +314,7 @@ fn cut_at_limits(
     if closed && begins_within {
         if arcs.len() == first_arc {
             run.pop();
-            arcs.push(Arc {
+            arcs.push(LimitedCurve {
                 samples: run,
                 closed: true,
             });
@@ -333,7 +334,7 @@ fn cut_at_limits(
         arcs[first_arc].samples = run;
         return;
     }
-    arcs.push(Arc {
+    arcs.push(LimitedCurve {
         samples: run,
         closed: false,
     });

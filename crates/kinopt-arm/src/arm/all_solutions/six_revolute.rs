@@ -2,7 +2,7 @@
 
 use super::Argument;
 use super::angle::Angle;
-use super::branches::{Branch, BranchSigns};
+use super::branches::{ArmBranch, BranchSigns};
 use super::elimination::{Elimination, Numbering};
 use super::polish::{ClosureError, closure_error, null_direction, polish};
 use super::screw::Screw;
@@ -95,7 +95,7 @@ pub(crate) struct SetMember {
     pub(crate) position_error: f64,
     /// Orientation error, radians.
     pub(crate) orientation_error: f64,
-    pub(crate) branch: Branch,
+    pub(crate) branch: ArmBranch,
 }
 
 impl SixRevolute {
@@ -283,7 +283,7 @@ impl SixRevolute {
                 orientation_error: error.orientation,
                 branch: match &self.branch_signs {
                     Some(signs) => signs.branch(&self.axes, q),
-                    None => Branch::default(),
+                    None => ArmBranch::default(),
                 },
             });
         };
