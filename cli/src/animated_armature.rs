@@ -48,7 +48,7 @@ pub(crate) struct CapturedFrames {
 impl AnimatedArmature {
     /// True if a path has the extension of an animation file.
     pub(crate) fn is_at(path: &Path) -> bool {
-        matches!(extension(path).as_str(), "bvh" | "glb" | "gltf")
+        matches!(extension(path).as_str(), "bvh" | "glb" | "gltf" | "vrm")
     }
 
     /// Reads an animation file.

@@ -93,7 +93,7 @@ from .errors import (
 
 from .motion import Contact
 from .placements import placement
-from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
+from .retargeting import MotionScore, RetargetFollower, RetargetReport, guess_map, retarget, score
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -144,6 +144,7 @@ __all__ = [
     "MotionCapture",
     "MotionProblem",
     "MotionReport",
+    "MotionScore",
     "Obstacle",
     "ParameterMap",
     "PathReport",
@@ -188,6 +189,7 @@ __all__ = [
     "interpolate",
     "retarget",
     "retargeting",
+    "score",
     "solve_path",
     "io",
     "methods",

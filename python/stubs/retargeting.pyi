@@ -21,9 +21,13 @@ class Capture:
         fps: float,
         up: str | None = None,
         bones: list[tuple[int, int]] | None = None,
+        rotations: ArrayLike | None = None,
+        rest: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> Capture: ...
     @staticmethod
     def of_clip(clip: Clip, fps: float, up: str | None = None) -> Capture: ...
+    @staticmethod
+    def of_c3d(path: str | os.PathLike[str], up: str | None = None) -> Capture: ...
     @property
     def joints(self) -> list[str]: ...
     @property
@@ -34,6 +38,10 @@ class Capture:
     def bones(self) -> list[tuple[int, int]] | None: ...
     @property
     def positions(self) -> Floats: ...
+    @property
+    def rotations(self) -> Floats | None: ...
+    @property
+    def rest(self) -> tuple[Floats, Floats] | None: ...
     def __len__(self) -> int: ...
 
 @final
@@ -60,7 +68,7 @@ class Live:
     def names(self) -> list[str]: ...
     @property
     def q(self) -> Floats: ...
-    def step(self, positions: ArrayLike) -> Floats: ...
+    def step(self, positions: ArrayLike, rotations: ArrayLike | None = None) -> Floats: ...
 
 def capture_retargeted(
     capture: Capture,
@@ -76,12 +84,20 @@ def capture_retargeted(
     tuple[list[str], Floats],
     Floats,
     list[str],
-    tuple[float, float, float, float],
+    tuple[float, float, float],
+    str,
     list[tuple[str, str, int, int]],
     list[tuple[int, str, str, float]],
     list[tuple[int, str]],
     tuple[str | None, bool],
 ]: ...
+def motion_scored(
+    motion: ArrayLike | str,
+    target: _Target,
+    capture: Capture | None,
+    map: str | None,
+    options: dict[str, Any],
+) -> str: ...
 def map_completed(
     map: str, capture: Capture, target: _Target
 ) -> tuple[str | None, list[str]]: ...

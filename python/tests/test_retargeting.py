@@ -77,9 +77,15 @@ def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
         # Joint velocities, between successive frames.
         max_step = nao.velocity_limits[7:] / 30
         assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= max_step * (1 + 1e-12))
-        # The reported errors equal those of forward kinematics.
-        assert found.report.driven == ["hips", "left", "right"] and found.report.errors.shape == (30, 3)
-        assert np.isclose(found.report.errors.mean(), found.report.mean_error)
+        # The reported angles are those of the legs, from the hips to the soles, by forward kinematics.
+        assert found.report.limbs == ["left_leg", "right_leg"] and found.report.limb_angles.shape == (30, 2)
+        placed = kinopt.ForwardKinematics(nao, ["torso", "left_sole", "right_sole"]).place(found.q)[:, :, :3, 3]
+        for k, limb in enumerate(found.report.limbs):
+            directions = [of[:, k + 1] - of[:, 0] for of in (sway(), placed)]
+            a, b = (of / np.linalg.norm(of, axis=1, keepdims=True) for of in directions)
+            angles = np.degrees(np.arccos((a * b).sum(axis=1)))
+            assert np.allclose(found.report.limb_angles[:, k], angles, atol=1e-4)
+            assert np.isclose(found.report.score.limbs[limb].mean, angles.mean(), atol=1e-4)
         assert found.report.contact_frames == ["left_sole", "right_sole"] and found.report.contacts.all()
         assert found.report.contact_points.shape == (2, 3) and not found.report.contact_points.any()
         soles = kinopt.ForwardKinematics(nao, found.report.contact_frames).place(found.q)[:, :, :3, 3]
@@ -93,7 +99,7 @@ def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
     positions = sway(20)
     positions[10:, 0, 1] += 0.3
     found = kinopt.retarget(positions, nao, MAP)
-    assert found.report.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.report.limits)
+    assert found.report.missed(1.0) and any(limit.bound.startswith("speed") for limit in found.report.limits)
     max_steps = dict(zip(nao.joint_names, nao.velocity_limits / 30))
     column = found.names.index
     for limit in found.report.limits:

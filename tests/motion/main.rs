@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
+mod capture_conventions;
+mod characters;
 mod clip_ik;
 mod clip_minima;
 mod clip_reaches;
@@ -23,6 +25,7 @@ mod keys_without_limits;
 mod known_skeletons;
 mod length_units;
 mod low_postures;
+mod marker_sets;
 mod mimic_joint_speeds;
 mod one_sided_limits;
 mod online_retargeting;
@@ -31,6 +34,7 @@ mod retargeted_collision_avoidance;
 mod retargeted_feet;
 mod retargeted_soles;
 mod retargeting;
+mod scores;
 mod shipped_capture;
 mod slide;
 mod spliced_keys;

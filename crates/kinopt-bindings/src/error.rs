@@ -120,6 +120,15 @@ impl Classify for kinopt::motion::retarget::RetargetError {
     }
 }
 
+impl Classify for kinopt::motion::score::ScoreError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Map(error) => error.kind(),
+            _ => unknown_name_if(matches!(self, Self::Name(_))),
+        }
+    }
+}
+
 impl Classify for FolderError {
     fn kind(&self) -> ErrorKind {
         match self {

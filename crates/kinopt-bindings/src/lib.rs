@@ -20,6 +20,7 @@
 //! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - `trajectory_file`: files of trajectories
+//! - `motion_file`: files of robot motions, from any program
 //! - [`error`]: kinds of errors
 
 pub mod clip_ik;
@@ -30,6 +31,8 @@ pub mod error;
 pub mod jobs;
 pub mod json;
 pub mod method;
+#[cfg(feature = "trajectory-files")]
+pub mod motion_file;
 pub mod names;
 pub mod option;
 pub mod parameters;

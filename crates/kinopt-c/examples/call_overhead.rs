@@ -15,17 +15,15 @@ use kinopt_c::arm::{kinopt_arm_free, kinopt_arm_new, kinopt_arm_solve};
 use kinopt_c::robot::{kinopt_robot_free, kinopt_robot_read};
 use kinopt_c::solution::{kinopt_solution_free, kinopt_solution_new};
 
-const QUERIES: u32 = 2_000;
-const ROUNDS: usize = 15;
+/// Queries of a round: few, so that some rounds end without an interruption on a busy machine.
+const QUERIES: u32 = 100;
+const ROUNDS: usize = 3_000;
 
-/// Shortest time of a query in several rounds, microseconds.
-fn fastest(mut round: impl FnMut()) -> f64 {
-    let rounds = (0..ROUNDS).map(|_| {
-        let start = Instant::now();
-        round();
-        start.elapsed().as_secs_f64() * 1e6 / f64::from(QUERIES)
-    });
-    rounds.fold(f64::INFINITY, f64::min)
+/// Time of a query of one round, microseconds.
+fn time(round: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    round();
+    start.elapsed().as_secs_f64() * 1e6 / f64::from(QUERIES)
 }
 
 fn main() {
@@ -42,37 +40,45 @@ fn main() {
     let targets: Vec<_> = targets.collect();
     let columns: Vec<_> = targets.iter().map(to_columns).collect();
 
-    let mut solution = kinopt::Solution::default();
-    let of_rust = fastest(|| {
-        for target in &targets {
-            arm.solve_into(*target, &start, &mut solution).unwrap();
-        }
-    });
-
     let text = |text: &str| CString::new(text).unwrap();
     let (path, base, tip) = (
         text("models/franka_panda.urdf"),
         text("base"),
         text("flange"),
     );
+    let mut solution = kinopt::Solution::default();
+    let (mut fastest_rust, mut fastest_c) = (f64::INFINITY, f64::INFINITY);
     // SAFETY: the pointers are those of live objects, arrays and texts of the stated lengths.
-    let of_c = unsafe {
-        let (mut robot, mut arm, mut solution) = (null_mut(), null_mut(), null_mut());
-        kinopt_robot_read(path.as_ptr(), null(), &raw mut robot);
-        kinopt_arm_new(robot, base.as_ptr(), tip.as_ptr(), null(), &raw mut arm);
-        kinopt_solution_new(&raw mut solution);
-        let time = fastest(|| {
-            for target in &columns {
-                kinopt_arm_solve(arm, target.as_ptr(), start.as_ptr(), start.len(), solution);
-            }
-        });
-        kinopt_solution_free(solution);
-        kinopt_arm_free(arm);
-        kinopt_robot_free(robot);
-        time
-    };
+    unsafe {
+        let (mut c_robot, mut c_arm, mut c_solution) = (null_mut(), null_mut(), null_mut());
+        kinopt_robot_read(path.as_ptr(), null(), &raw mut c_robot);
+        kinopt_arm_new(c_robot, base.as_ptr(), tip.as_ptr(), null(), &raw mut c_arm);
+        kinopt_solution_new(&raw mut c_solution);
+        // In turns, so that both have the same clock and load.
+        for _ in 0..ROUNDS {
+            fastest_rust = fastest_rust.min(time(|| {
+                for target in &targets {
+                    arm.solve_into(*target, &start, &mut solution).unwrap();
+                }
+            }));
+            fastest_c = fastest_c.min(time(|| {
+                for target in &columns {
+                    kinopt_arm_solve(
+                        c_arm,
+                        target.as_ptr(),
+                        start.as_ptr(),
+                        start.len(),
+                        c_solution,
+                    );
+                }
+            }));
+        }
+        kinopt_solution_free(c_solution);
+        kinopt_arm_free(c_arm);
+        kinopt_robot_free(c_robot);
+    }
     println!(
-        "Rust {of_rust:.3} µs, C {of_c:.3} µs, difference {:.3} µs",
-        of_c - of_rust
+        "Rust {fastest_rust:.3} µs, C {fastest_c:.3} µs, difference {:.3} µs",
+        fastest_c - fastest_rust
     );
 }

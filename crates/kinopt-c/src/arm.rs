@@ -268,8 +268,10 @@ pub type KinoptAccept =
 
 /// Solves for one target, and offers reached configurations to a callback until it accepts one.
 ///
-/// The first is that of `kinopt_arm_solve`, then come the other solutions, nearest to the start first.
-/// `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target is not reached.
+/// The first is that of `kinopt_arm_solve`, then come further ones that differ by 0.1 rad, nearest to the start first. An arm
+/// with a time limit searches until it ends, at last for solutions that differ by 0.001 rad, or until further attempts lead to
+/// no new solution. `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target
+/// is not reached.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_arm_solve_accepted(
     arm: *const KinoptArm,
@@ -288,22 +290,9 @@ pub unsafe extern "C" fn kinopt_arm_solve_accepted(
         let accept = accept.ok_or_else(|| Failure::invalid("`accept` is null".to_owned()))?;
         let solution = &mut pointer::object_mut(solution, "solution")?.inner;
         pointer::write(accepted, false, "accepted")?;
-        arm.solve_into(target, start, solution)?;
-        if !solution.reached {
-            return Ok(());
-        }
-        if accept(solution.q.as_ptr(), solution.q.len(), user_data) {
-            return pointer::write(accepted, true, "accepted");
-        }
-        let offered = solution.q.clone();
-        for other in arm.solve_all_from(target, start)?.solutions {
-            if other.q != offered && accept(other.q.as_ptr(), other.q.len(), user_data) {
-                // The configuration is a solution, so a search from it ends there.
-                arm.solve_into(target, &other.q, solution)?;
-                return pointer::write(accepted, true, "accepted");
-            }
-        }
-        Ok(())
+        let accepts = |q: &[f64]| accept(q.as_ptr(), q.len(), user_data);
+        let found = arm.solve_accepted(target, start, accepts, solution)?;
+        pointer::write(accepted, found, "accepted")
     })
 }
 

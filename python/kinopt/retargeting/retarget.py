@@ -11,10 +11,11 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import progress as bars
-from .._kinopt import SceneFile, Trajectory, World
+from .._kinopt import MotionCapture, SceneFile, Trajectory, World
 from .._kinopt.retargeting import Capture, FigureTarget, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching
+from .score_report import score_of_json
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
 
@@ -51,6 +52,10 @@ def retarget_request(
             # The argument has priority over the map.
             parsed_map = {**parsed_map, "up": up}
         up = parsed_map.get("up")
+    source_notes: list[str] = []
+    if isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".npz"):
+        source = MotionCapture.read_smpl(source)
+        source_notes = source.notes
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
     target = read_target(target)
     notes: list[str] = []
@@ -60,7 +65,7 @@ def retarget_request(
     else:
         with naming(map):
             parsed_map, notes = completed(parsed_map, capture, target)
-    return RetargetRequest(capture, target, parsed_map, notes, options)
+    return RetargetRequest(capture, target, parsed_map, [*source_notes, *notes], options)
 
 
 def retarget(
@@ -136,9 +141,9 @@ def retarget(
             request.options,
             bars.bar() if progress is True else progress or None,
         )
-    q, names, contacts, (contact_frames, contact_points), errors, driven, scalars, limits, touching, lost_contacts, base = parts
+    q, names, contacts, (contact_frames, contact_points), angles, limbs, scalars, score, limits, touching, lost_contacts, base = parts
     stands_along, has_fixed_base = base
-    mean_error, slip, ground_penetration, stride = scalars
+    slip, ground_penetration, stride = scalars
     notes = list(request.notes)
     if stands_along is not None:
         notes.append("the target is upright along another axis than its upward axis")
@@ -149,9 +154,9 @@ def retarget(
         contacts=contacts,
         contact_frames=contact_frames,
         contact_points=contact_points,
-        errors=errors,
-        driven=driven,
-        mean_error=mean_error,
+        score=score_of_json(score),
+        limb_angles=angles,
+        limbs=limbs,
         slip=slip,
         ground_penetration=ground_penetration,
         stride=stride,

@@ -7,6 +7,7 @@ mod live;
 mod maps;
 mod movement;
 mod request;
+mod score;
 mod up_axis;
 
 use pyo3::prelude::*;
@@ -24,5 +25,6 @@ pub(crate) mod retargeting {
         live::Live,
         maps::{map_completed, map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,
+        score::motion_scored,
     };
 }

@@ -15,7 +15,7 @@ use pyo3::types::PyDict;
 use super::capture::Capture;
 use super::request::{RetargetRequest, raised};
 use crate::arrays;
-use crate::error::invalid;
+use crate::error::{OrRaise, invalid};
 
 /// Configurations, and fields of `kinopt.RetargetReport` in their order.
 type MovementParts<'py> = (
@@ -25,7 +25,8 @@ type MovementParts<'py> = (
     (Vec<String>, Bound<'py, PyArray2<f64>>),
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
-    (f64, f64, f64, f64),
+    (f64, f64, f64),
+    String,
     Vec<(String, &'static str, usize, usize)>,
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String)>,
@@ -117,25 +118,22 @@ pub(super) fn capture_retargeted<'py>(
         };
         done.done.store(frames, Ordering::Relaxed);
         let has_fixed_base = retargeting.legs_on_fixed_base();
-        let errors = retargeting.errors(&retargeted)?;
+        let angles = retargeting.limb_angles(&retargeted)?;
         let limits = retargeting.active_limits(&retargeted);
-        let driving = retargeting.driving();
+        let limbs = retargeting.limbs();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
         Ok((
             retargeted,
-            errors,
+            angles,
             limits,
-            driving,
+            limbs,
             stride,
             up,
             has_fixed_base,
         ))
     })?;
-    let (retargeted, errors, limits, driving, stride, up, has_fixed_base) = retargeted;
-    let driven = driving
-        .iter()
-        .map(|&joint| request.capture.names()[joint].clone());
+    let (retargeted, angles, limits, limbs, stride, up, has_fixed_base) = retargeted;
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
             (MotionBound::Speed, Side::Lower) => "speed down",
@@ -166,14 +164,10 @@ pub(super) fn capture_retargeted<'py>(
             report.contact_frames,
             arrays::list(py, &contact_points).reshape([report.contact_points.len(), 3])?,
         ),
-        arrays::list(py, &errors).reshape([frames, driving.len()])?,
-        driven.collect(),
-        (
-            report.mean_error,
-            report.slip,
-            report.ground_penetration,
-            stride,
-        ),
+        arrays::list(py, &angles).reshape([frames, limbs.len()])?,
+        limbs.into_iter().map(str::to_owned).collect(),
+        (report.slip, report.ground_penetration, stride),
+        serde_json::to_string(&report.score).or_raise()?,
         limits.collect(),
         touching.collect(),
         lost_contacts.collect(),

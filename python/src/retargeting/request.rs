@@ -34,6 +34,14 @@ pub(crate) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     Ok(Arc::new(robot))
 }
 
+/// Target of retargeting as a character; `None` for a robot or a model.
+fn character_of(target: &Bound<'_, PyAny>) -> PyResult<Option<retarget::FigureTarget>> {
+    if let Ok(figure) = target.cast::<FigureTarget>() {
+        return Ok(Some(figure.get().inner.clone()));
+    }
+    Ok(FigureTarget::of(target, None)?.map(|figure| figure.inner))
+}
+
 /// Margin of collision avoidance, metres; `None` disables it. `keep_clear` is another name of `margin`.
 pub(super) fn margin(options: &Options<'_, '_>) -> PyResult<Option<f64>> {
     let number = |name: &str| {
@@ -113,6 +121,7 @@ pub(super) fn raised(error: RetargetError) -> PyErr {
 pub(super) struct RetargetRequest {
     pub(super) capture: Arc<retarget::Capture>,
     robot: Arc<Robot>,
+    character: Option<retarget::FigureTarget>,
     map: BodyMap,
     options: RetargetOptions,
     checker: Option<Checker>,
@@ -134,6 +143,7 @@ impl RetargetRequest {
             capture: Arc::clone(&capture.get().inner),
             map: read_map(map, &robot)?,
             checker: checker_of(target, &requested)?,
+            character: character_of(target)?,
             robot,
             options,
         })
@@ -142,7 +152,10 @@ impl RetargetRequest {
     /// Fits the capture to the target, with collision avoidance if enabled.
     pub(super) fn fitted(&self) -> Result<Retargeting<'_>, RetargetError> {
         let options = self.options.clone();
-        let fitted = Retargeting::new(&self.robot, &self.map, &self.capture, options)?;
+        let fitted = match &self.character {
+            Some(figure) => Retargeting::onto_character(figure, &self.map, &self.capture, options)?,
+            None => Retargeting::new(&self.robot, &self.map, &self.capture, options)?,
+        };
         Ok(match &self.checker {
             Some(checker) => fitted.keep_clear(checker),
             None => fitted,

@@ -82,6 +82,8 @@ each! { value:
     io::FileAccess, io::FileLocation, io::bvh::BvhChannel, io::bvh::BvhFormat<'static>, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
+    io::c3d::MarkerCapture, io::numpy::NumpyArchive, io::numpy::NumpyArray, io::smpl::BodyModel, io::smpl::RestJoints, io::smpl::SmplArrays,
+    io::smpl::SmplMotion, io::smpl::SmplNote,
     io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,
 }
 
@@ -108,10 +110,15 @@ each! { value:
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,
-    motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
+    motion::retarget::FootShapes, motion::retarget::JointRotations, motion::retarget::LostContact,
+    motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::RetargetReport, motion::retarget::Retargeting<'static>,
     motion::retarget::Touching, motion::retarget::UpAxis,
+    motion::score::CollisionShare, motion::score::EndError, motion::score::FootMotion, motion::score::GroundPenetration,
+    motion::score::Heading, motion::score::JerkScore, motion::score::LimbAngle, motion::score::LimitExcess,
+    motion::score::LostSubjectContact, motion::score::MotionScore, motion::score::MotionScorer<'static>,
+    motion::score::ScoreTerm, motion::score::ScoreWeights, motion::score::Spread,
 }
 
 each! { value:
@@ -159,7 +166,7 @@ each! { error:
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
     robot::RobotFileError, calibration::CalibrationError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
-    motion::path::PathError, motion::retarget::RetargetError,
+    motion::path::PathError, motion::retarget::RetargetError, motion::score::ScoreError, io::smpl::SmplError, io::c3d::MarkerError,
     robot::ParseIssue,
 }
 

@@ -36,37 +36,45 @@ pub(super) fn collect_solutions(
     collect_attempts(arm, workspace, query)
 }
 
-/// Runs attempts and sorts those that reach by their distance from the start.
-///
-/// The termination shows if all were run, or if the time limit ended them.
+/// Runs the attempts of a query and sorts those that reach by their distance from the start.
 pub(super) fn collect_attempts(
     arm: &Arm,
     workspace: &mut ArmWorkspace,
     query: &Query<'_>,
 ) -> Termination {
-    let attempts = attempts_at(arm, query.target);
+    collect_solutions_from(arm, workspace, query, 0)
+}
+
+/// Collects the solutions of the attempts `first_attempt`, `first_attempt + 1`, …, as many as a query makes.
+pub(super) fn collect_solutions_from(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+    first_attempt: u32,
+) -> Termination {
+    let end = first_attempt.saturating_add(attempts_at(arm, query.target));
     let iterations = arm.options.iterations;
     let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
     workspace.attempt_ends.clear();
     workspace.outcomes.clear();
-    let mut first = 0;
-    while first < attempts && total_iterations(&workspace.outcomes) < budget {
+    let mut next = first_attempt;
+    while next < end && total_iterations(&workspace.outcomes) < budget {
         let group = match query.deadline {
             Some(_) => TIMED_GROUP_ATTEMPTS,
             None => GROUP_ATTEMPTS,
         };
-        let count = group.min(attempts - first);
-        run_attempts(arm, workspace, query, first, count);
-        if first == 0 && !query.is_late() {
+        let count = group.min(end - next);
+        run_attempts(arm, workspace, query, next, count);
+        if next == 0 && !query.is_late() {
             continue_first(arm, workspace, query);
         }
-        first += count;
+        next += count;
         if query.is_late() {
             break;
         }
     }
     rank_by_distance(arm, workspace);
-    if query.is_late() && first < attempts {
+    if query.is_late() && next < end {
         Termination::TimeLimit
     } else {
         Termination::Reached

@@ -3,6 +3,7 @@
 pub mod clip_ik;
 mod contact;
 pub mod retarget;
+pub mod score;
 #[cfg(feature = "collision")]
 mod skin_capsules;
 pub mod trajectory;

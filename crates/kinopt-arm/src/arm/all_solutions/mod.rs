@@ -165,8 +165,8 @@ impl Arm {
     ///
     /// For six revolute joints and a full pose the set is [complete](AllSolutions::complete): all isolated solutions
     /// within the limits (inclusive), each with all its whole turns. A joint without a limit on one side has only the
-    /// turn nearest to the start. An arm with a checker returns its collision-free solutions. Options of attempts,
-    /// bounds on motions and postures have no effect.
+    /// turn nearest to the start. An arm with a checker returns its collision-free solutions. Options of attempts
+    /// and postures have no effect. An arm with bounds on motions counts as another arm.
     ///
     /// Other arms return what their attempts find, and are never complete. Their solutions are at least 1e-3 rad apart,
     /// those of a redundant arm 0.5 rad (weighted joint distance). [`self_motions`](Self::self_motions) samples the
@@ -208,7 +208,8 @@ impl Arm {
         let query = Query::new(self, &target, start);
         self.with_workspace(|workspace| {
             workspace.set_target(&target);
-            match self.six_revolute() {
+            let solver = self.six_revolute();
+            match solver.filter(|_| self.options.max_move.is_none()) {
                 Some(solver) => complete_set(self, solver, workspace, &query),
                 None => found_set(self, workspace, &query),
             }

@@ -57,7 +57,11 @@ pub(super) fn plant_limbs(
 }
 
 /// Returns a contact at the mean position over a span, on the ground if it is near.
-fn foot_contact(limb: &DrivenLimb, span: &Range<usize>, positions: &[Vector3<f64>]) -> FootContact {
+pub(super) fn foot_contact(
+    limb: &DrivenLimb,
+    span: &Range<usize>,
+    positions: &[Vector3<f64>],
+) -> FootContact {
     let mut position = lifted(mean_position(&positions[span.clone()]), limb.clearance);
     if position.z - limb.clearance < MAX_SNAP_HEIGHT {
         position.z = limb.clearance;
@@ -70,6 +74,6 @@ fn foot_contact(limb: &DrivenLimb, span: &Range<usize>, positions: &[Vector3<f64
 }
 
 /// Moves a position below the ground up to it.
-fn lifted(position: Vector3<f64>, clearance: f64) -> Vector3<f64> {
+pub(super) fn lifted(position: Vector3<f64>, clearance: f64) -> Vector3<f64> {
     Vector3::new(position.x, position.y, position.z.max(clearance))
 }

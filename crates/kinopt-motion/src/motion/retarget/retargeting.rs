@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::character::CharacterMotion;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::{LimbContact, plant_limbs};
 use super::limbs::Limbs;
@@ -16,6 +17,7 @@ use super::{
     Touching, UpAxis,
 };
 use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
+use crate::motion::score::{Heading, MotionScorer, ScoreError};
 use crate::motion::trajectory::{MotionError, Windows};
 use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
@@ -133,8 +135,12 @@ pub struct Retargeting<'r> {
     /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
     /// Targets in the robot's unit, by capture frame.
-    model_targets: Arc<[Vector3<f64>]>,
+    pub(super) model_targets: Arc<[Vector3<f64>]>,
     pub(super) limb_contacts: Vec<LimbContact>,
+    /// Transfer of rotations to a character.
+    pub(super) character: Option<Arc<CharacterMotion>>,
+    /// Scorer next to the person.
+    scorer: MotionScorer<'r>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -159,6 +165,11 @@ impl<'r> Retargeting<'r> {
         let shapes = options.shapes.clone();
         let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
         let mut limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
+        let scorer = MotionScorer::of_subject(robot, capture, map, up).map_err(as_score_error)?;
+        let scorer = scorer
+            .with_shapes(shapes.clone())
+            .with_contacts(options.contacts)
+            .with_heading(Heading::Fixed(0.0));
         let frame_rate = capture.frame_rate();
         let mut options = options;
         let unit = Unit::of(model, &limbs);
@@ -198,6 +209,8 @@ impl<'r> Retargeting<'r> {
             joints: capture.names().len(),
             targets,
             limb_contacts,
+            character: None,
+            scorer,
             obstacles: None,
             cancelled: None,
         })
@@ -258,6 +271,25 @@ impl<'r> Retargeting<'r> {
         self.limbs.all.iter().map(|limb| limb.frame).collect()
     }
 
+    /// Names of the limbs whose directions are compared, in the order of [`limb_angles`](Self::limb_angles).
+    #[must_use]
+    pub fn limbs(&self) -> Vec<&'static str> {
+        self.scorer.limbs()
+    }
+
+    /// Returns the angle between each limb of the subject and of the model, degrees. The angles are sorted by sample,
+    /// then in the order of [`limbs`](Self::limbs).
+    ///
+    /// # Errors
+    /// Returns an error if the configurations do not fit the model.
+    pub fn limb_angles(
+        &self,
+        retargeted: &Trajectory<RetargetReport>,
+    ) -> Result<Vec<f64>, RetargetError> {
+        let angles = self.scorer.limb_angles(&retargeted.q, self.frame_rate);
+        angles.map_err(as_score_error)
+    }
+
     /// Ratio of the model's steps to the subject's, in the model's unit.
     #[must_use]
     pub fn stride(&self) -> f64 {
@@ -286,7 +318,7 @@ impl<'r> Retargeting<'r> {
     }
 
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
-    fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
+    pub(super) fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         for (limb, contact_levels) in contact_levels.iter_mut().enumerate() {
             let levels = self.neighbouring_spans(limb, frame).map(|span| {
@@ -324,6 +356,18 @@ impl<'r> Retargeting<'r> {
         contacts.map(|contact| &contact.span)
     }
 
+    /// Transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character(&self) -> Option<&CharacterMotion> {
+        let character = self.character.as_deref();
+        character.filter(|_| self.obstacles.is_none())
+    }
+
+    /// Shared transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character_motion(&self) -> Option<Arc<CharacterMotion>> {
+        self.rotated_character()?;
+        self.character.clone()
+    }
+
     /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
     ///
     /// # Errors
@@ -340,6 +384,10 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.per_frame(self.cancelled.as_deref())?;
+            return self.measure(q);
+        }
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }
@@ -390,10 +438,9 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
             self.write_contacts(frame, &mut in_contact);
-            let targets = self.body_targets(frame);
-            for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
+            for (k, limb) in self.limbs.all.iter().enumerate() {
                 let position = placed[k].apply(limb.offset);
-                in_contact[k] = measures.add(frame, k, position, *target, in_contact[k]);
+                in_contact[k] = measures.add(frame, k, position, in_contact[k]);
             }
             for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
                 measures.ground_penetration = measures.ground_penetration.max(-sole.lowest(placed));
@@ -425,7 +472,10 @@ impl<'r> Retargeting<'r> {
                 .map(|limb| self.limbs.all[*limb].offset * inverse_scale)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error() * inverse_scale,
+            score: self
+                .scorer
+                .score(&q, self.frame_rate)
+                .map_err(as_score_error)?,
             slip: measures.slip * inverse_scale,
             ground_penetration: measures.ground_penetration * inverse_scale,
         };
@@ -453,6 +503,13 @@ impl Retargeting<'_> {
             Some(Touching { frame, pair })
         });
         touching.collect()
+    }
+}
+
+fn as_score_error(error: ScoreError) -> RetargetError {
+    match error {
+        ScoreError::Map(error) => error,
+        error => RetargetError::Map(error.to_string()),
     }
 }
 

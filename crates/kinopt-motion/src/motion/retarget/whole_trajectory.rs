@@ -40,6 +40,11 @@ impl Retargeting<'_> {
         &self,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.whole(self.cancelled.as_deref())?;
+            progress(self.frames());
+            return self.measure(q);
+        }
         let (mut q, mut avoidance) = self.follow_all()?;
         let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
         // A smoothed trajectory may collide at other samples than the online result.

@@ -2,6 +2,7 @@
 
 mod appended_clip;
 mod external_files;
+mod humanoid;
 mod image_type;
 mod json_edit;
 
