@@ -142,6 +142,7 @@ pub use nalgebra;
 #[doc = include_str!("../docs/guide/characters.md")]
 #[doc = include_str!("../docs/guide/clip-ik.md")]
 #[doc = include_str!("../docs/guide/clips.md")]
+#[doc = include_str!("../docs/guide/complete-solutions.md")]
 #[doc = include_str!("../docs/guide/derivatives.md")]
 #[doc = include_str!("../docs/guide/dragging.md")]
 #[doc = include_str!("../docs/guide/followers.md")]

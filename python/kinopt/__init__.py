@@ -14,6 +14,7 @@ from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
+    AllSolutions,
     Arm,
     BallSkeleton,
     ArmDerivative,
@@ -56,6 +57,7 @@ from ._kinopt import (
     SceneMesh,
     ScenePosing,
     Separation,
+    SelfMotion,
     Servo,
     ServoStep,
     Shape,
@@ -116,6 +118,7 @@ def __getattr__(name: str) -> ModuleType:
 __all__ = [
     "ActiveLimit",
     "ActiveMotionLimit",
+    "AllSolutions",
     "Arm",
     "BallSkeleton",
     "ArmDerivative",
@@ -166,6 +169,7 @@ __all__ = [
     "SceneMesh",
     "ScenePosing",
     "Separation",
+    "SelfMotion",
     "Servo",
     "ServoStep",
     "Shape",

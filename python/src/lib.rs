@@ -64,7 +64,9 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
+    use super::arm::{
+        AllSolutions, Arm, ArmDerivative, Batch, Follower, SelfMotion, Servo, ServoStep,
+    };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};
     #[pymodule_export]

@@ -239,8 +239,8 @@ def test_path_plot_has_joints_limits_and_tool(arm: kinopt.Arm, path: kinopt.Join
 def test_jumps_are_drawn_between_rows(arm: kinopt.Arm) -> None:
     plots = pytest.importorskip("matplotlib.pyplot")
     target = arm.base_from_tool(Q)
-    near, *_, far = arm.distinct(target, Q)
-    jumping = kinopt.solve_path(arm, [target] * 3, start=near.q, end=far.q)
+    near, *_, far = arm.solve_all(target, Q).q
+    jumping = kinopt.solve_path(arm, [target] * 3, start=near, end=far)
     (jump,) = jumping.jumps
     axes = joint_axes(jumping.plot())["joint1 (rad)"]
     assert axes.get_lines()[0].get_xdata() == [jump.index - 0.5] * 2

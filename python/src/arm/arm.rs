@@ -1,8 +1,8 @@
 //! The arm and its single queries.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
-use kinopt::arm::{Base, Search};
+use kinopt::arm::Base;
 use kinopt::kinematics::Jacobian;
 use kinopt_bindings::option::arm::{apply, options as arm_options};
 use kinopt_bindings::option::check_name;
@@ -12,6 +12,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::all_solutions::{AllSolutions, SelfMotion};
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
 use super::{Follower, Servo};
@@ -64,8 +65,6 @@ pub(crate) struct Arm {
     /// Names, limits and units of the numbers of a configuration.
     #[pyo3(get)]
     pub(crate) coordinates: Py<Coordinates>,
-    /// Arm of the last search for distinct solutions, kept for repeated queries.
-    distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
     /// Compiled at the first query.
     jacobian: OnceLock<Pool<Jacobian>>,
 }
@@ -88,22 +87,8 @@ impl Arm {
             tip: self.tip.clone(),
             options: options.unbind(),
             coordinates: self.coordinates.clone_ref(py),
-            distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
-    }
-
-    /// Returns the arm that searches for several solutions.
-    fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
-        let mut cached = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, arm)) = &*cached {
-            if *known == search {
-                return Ok(Arc::clone(arm));
-            }
-        }
-        let arm = Arc::new(self.inner.with_search(search).or_raise()?);
-        *cached = Some((search, Arc::clone(&arm)));
-        Ok(arm)
     }
 
     /// A solution of the arm.
@@ -206,7 +191,6 @@ impl Arm {
             tip,
             options: options.unbind(),
             coordinates,
-            distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
     }
@@ -255,7 +239,7 @@ impl Arm {
         arrays::frozen(py, self.inner.jerk_limits().iter().copied())
     }
 
-    /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or
+    /// The start of `solve`, `solve_batch`, `solve_all`, `track` and `follower` without one, shape (dof,), radians or
     /// metres. It is the state "ready" or "home" of `srdf`, else the middle of each joint's limits. For a joint without
     /// a limit on one side it is the value closest to 0.
     #[getter]
@@ -404,26 +388,42 @@ impl Arm {
         Ok(self.solution(py, solution.or_raise()?))
     }
 
-    /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
-    /// joint distance, radians). The list is empty if the target is not reached. `target` and `start`, shape (dof,), are
+    /// All solutions of one target, nearest to the start first: an `AllSolutions`. `target` and `start`, shape (dof,), are
     /// as in `solve`.
     ///
-    /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
-    #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
-    fn distinct(
+    /// For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, each with
+    /// its whole turns, collision-free if the arm has a world. Other arms return what their attempts find, at least 1e-3 rad apart, or 0.5 rad for a
+    /// redundant arm (weighted joint distance).
+    ///
+    /// Raises `InvalidValueError` as `solve` does.
+    #[pyo3(signature = (target, start = None))]
+    fn solve_all(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = crate::arrays::whole)] k: usize,
-        distance: f64,
-    ) -> PyResult<Vec<Solution>> {
+    ) -> PyResult<AllSolutions> {
         let target = target_of(target, "target", &self.inner.goal())?;
         let start = self.start(start)?;
-        let arm = self.searching(Search::Distinct { k, distance })?;
-        let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
-        let solutions = solutions.into_iter();
-        Ok(solutions.map(|inner| self.solution(py, inner)).collect())
+        let all = interruptible(py, || self.inner.solve_all_from(target, &start))?.or_raise()?;
+        Ok(AllSolutions::new(all, self.inner.joint_count()))
+    }
+
+    /// The self-motions of an arm of seven revolute joints: all curves of configurations that keep the tool at a target,
+    /// as a list of `SelfMotion`, one for each connected component within the limits.
+    ///
+    /// Samples are at most 0.05 rad apart in the largest joint. A closed curve within less than 0.05 rad of two of
+    /// the joints can be missing. The result is None for other arms, and for other goals than the full pose.
+    ///
+    /// Raises `InvalidValueError` for a target that is not a rigid motion to 1e-6.
+    fn self_motions(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<Vec<SelfMotion>>> {
+        let target = target_of(target, "target", &self.inner.goal())?;
+        let motions = interruptible(py, || self.inner.self_motions(target))?.or_raise()?;
+        Ok(motions.map(|motions| motions.into_iter().map(SelfMotion::new).collect()))
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.

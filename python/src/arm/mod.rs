@@ -1,5 +1,6 @@
 //! Arms: single poses, batches, paths, followers and servos.
 
+mod all_solutions;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod batch;
@@ -7,6 +8,7 @@ mod derivative;
 mod follower;
 mod servo;
 
+pub(crate) use all_solutions::{AllSolutions, SelfMotion};
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;

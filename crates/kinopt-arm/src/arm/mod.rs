@@ -21,6 +21,7 @@
 //! ```
 
 mod accepted_solutions;
+mod all_solutions;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod arm_model;
@@ -66,6 +67,10 @@ mod track;
 mod workspace;
 
 pub use crate::simd_ik::PoseOutcome;
+pub use all_solutions::{
+    AllSolutions, Argument, ArmBranch, ElbowBranch, PoseSolution, SelfMotion, ShoulderBranch,
+    WristBranch,
+};
 pub use arm::Arm;
 pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use kinopt::arm::Search;
 use kinopt::collision::MeshUse;
 use kinopt::mesh::TriangleMesh;
 use kinopt::motion::path::QuaternionOrder;
@@ -20,7 +19,7 @@ use super::body::{Centre, Foot, FrameWeight, Lock, NamedLevel};
 use super::interval::Interval;
 use super::methods;
 use super::number_list::{self, Numbers, above_zero, checked, from_zero, limited};
-use super::start::{self, Start};
+use super::start::{self, SolutionChoice, Start};
 use super::target::{FrameTarget, RayTarget};
 use super::text::{text, texts};
 use crate::names::{self, AXES, MIMIC_LIMITS, Names};
@@ -261,7 +260,7 @@ pub struct SolveSettings {
     pub start: Start,
     /// Choice among solutions.
     #[serde(deserialize_with = "search")]
-    pub search: Option<Search>,
+    pub search: Option<SolutionChoice>,
     /// Largest displacement of each joint from the start.
     pub max_move: Option<Numbers>,
     /// Nominal posture.
@@ -389,7 +388,7 @@ fn start<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Start, D::Error> 
     .map_err(Error::custom)
 }
 
-fn search<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Search>, D::Error> {
+fn search<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SolutionChoice>, D::Error> {
     let text = String::deserialize(deserializer)?;
     start::search(&text).map(Some).map_err(Error::custom)
 }
