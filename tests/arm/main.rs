@@ -18,6 +18,7 @@ mod near_misses;
 mod null_space;
 mod options;
 mod paths;
+mod reachability;
 mod reference_workloads;
 mod reproducibility;
 mod reused_arms;
