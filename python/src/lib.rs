@@ -63,7 +63,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
+    use super::arm::{Arm, ArmDerivative, Batch, Follower, Reachability, Servo, ServoStep};
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};
     #[pymodule_export]

@@ -661,6 +661,13 @@ class Arm:
         k: int = 16,
         distance: float = 0.1,
     ) -> list[Solution]: ...
+    def reachability(
+        self,
+        target: PlacementLike,
+        start: ConfigurationLike | None = None,
+        *,
+        max_boxes: int = 100_000,
+    ) -> Reachability: ...
     def solve_batch(
         self,
         targets: PlacementsLike,
@@ -759,6 +766,16 @@ def calibrate(
     prior: tuple[float, float] = (0.005, 0.02),
     robust: bool = True,
 ) -> Calibration: ...
+
+@final
+class Reachability:
+    @property
+    def reachable(self) -> bool | None: ...
+    @property
+    def solution(self) -> Solution: ...
+    @property
+    def boxes(self) -> int: ...
+    def explain(self) -> str: ...
 
 @final
 class JointJump:

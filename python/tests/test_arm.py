@@ -289,3 +289,16 @@ def test_invalid_target_of_batch_is_named(arm, targets):
     frozen.flags.writeable = False
     with pytest.raises(kinopt.InvalidValueError, match="writable"):
         arm.solve_batch(targets, START, out=frozen)
+
+
+def test_reachability_is_a_solution_or_a_proof(robot, targets):
+    arm = kinopt.Arm(robot, "base", "flange")
+    found = arm.reachability(targets[0])
+    assert found.reachable and found.solution.reached and found.boxes == 0
+    turned = np.eye(4)
+    turned[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    turned[:3, 3] = [0.2, 0.1, 0.1]
+    proof = arm.reachability(turned)
+    assert proof.reachable is False and proof.boxes > 0
+    assert proof.solution.is_out_of_reach and "Out of reach" in proof.explain()
+    assert arm.reachability(turned, max_boxes=0).reachable is None

@@ -18,7 +18,9 @@ const PLANAR: &str = r#"<robot name="planar"><link name="base"/><link name="uppe
   <joint name="end" type="fixed"><parent link="fore"/><child link="tip"/><origin xyz="0.3 0 0"/></joint></robot>"#;
 
 fn is_unreachable(arm: &Arm, target: Placement<f64>) -> bool {
-    let answer = arm.reachability(target, arm.default_start(), MAX_BOXES).unwrap();
+    let answer = arm
+        .reachability(target, arm.default_start(), MAX_BOXES)
+        .unwrap();
     match answer {
         Reachability::Reachable(solution) => assert!(solution.reached),
         Reachability::Unreachable { boxes, closest } => {
@@ -45,7 +47,11 @@ fn planar_arm_reaches_a_ring() {
         let point = Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.0);
         let gap = (nearest - radius).max(radius - farthest);
         if gap.abs() > 1e-3 {
-            assert_eq!(is_unreachable(&arm, Placement::translation(point)), gap > 0.0, "{radius}");
+            assert_eq!(
+                is_unreachable(&arm, Placement::translation(point)),
+                gap > 0.0,
+                "{radius}"
+            );
         }
     }
     let above = Placement::translation(Vector3::new(0.6, 0.0, 1e-3));
@@ -58,10 +64,14 @@ fn grid_over_three_joints_agrees() {
     let arm = Arm::builder(&robot, "base", "flange").with_goal(PoseBounds::position());
     let locked = ["joint4", "joint5", "joint6"].map(|joint| (joint, 0.4));
     let limits = ["joint1", "joint2", "joint3"];
-    let arm = locked.into_iter().fold(arm, |arm, (joint, value)| arm.with_locked(joint, value));
+    let arm = locked
+        .into_iter()
+        .fold(arm, |arm, (joint, value)| arm.with_locked(joint, value));
     let arm = limits
         .into_iter()
-        .fold(arm, |arm, joint| arm.with_joint_limits(joint, Limits::new(-1.2, 0.9)))
+        .fold(arm, |arm, joint| {
+            arm.with_joint_limits(joint, Limits::new(-1.2, 0.9))
+        })
         .build()
         .unwrap();
     // Every configuration is within 0.02 rad of one of the grid in each joint; the tip moves at most 1.2 m per radian.
@@ -69,9 +79,11 @@ fn grid_over_three_joints_agrees() {
     let mut grid = Vec::new();
     for &pan in &steps {
         for &lift in &steps {
-            grid.extend(steps.iter().map(|&elbow| {
-                arm.base_from_tool(&[pan, lift, elbow]).unwrap().translation
-            }));
+            grid.extend(
+                steps
+                    .iter()
+                    .map(|&elbow| arm.base_from_tool(&[pan, lift, elbow]).unwrap().translation),
+            );
         }
     }
     let reach_of_cell = 3.0 * 0.02 * 1.2;
@@ -103,20 +115,24 @@ fn proofs_hold_for_six_and_seven_joints() {
     ] {
         let robot = robot(model);
         let arm = Arm::new(&robot, base, tip).unwrap();
-        let wide = Arm::builder(&robot, base, tip).with_attempts(500).build().unwrap();
+        let wide = Arm::builder(&robot, base, tip)
+            .with_attempts(500)
+            .build()
+            .unwrap();
         let mut random = Random::new(8);
         let mut proven = 0;
         for _ in 0..case_count(30, 12) {
-            let rotation = Matrix3::from_roll_pitch_yaw(
-                [0.0; 3].map(|_: f64| random.within(-3.0, 3.0)),
-            );
+            let rotation =
+                Matrix3::from_roll_pitch_yaw([0.0; 3].map(|_: f64| random.within(-3.0, 3.0)));
             let position = Vector3::new(
                 random.within(-0.9, 0.9),
                 random.within(-0.9, 0.9),
                 random.within(0.0, 1.0),
             );
             let target = Placement::new(rotation, position);
-            let answer = arm.reachability(target, arm.default_start(), 20_000).unwrap();
+            let answer = arm
+                .reachability(target, arm.default_start(), 20_000)
+                .unwrap();
             if answer.is_reachable() == Some(false) {
                 proven += 1;
                 assert!(!wide.solve(target, arm.default_start()).unwrap().reached);
@@ -130,8 +146,13 @@ fn proofs_hold_for_six_and_seven_joints() {
 fn chains_without_a_proof_are_undecided() {
     let robot = robot("universal_ur5e");
     let bounds = PoseBounds::free_along(kinopt::arm::Axis::X);
-    let arm = Arm::builder(&robot, "base", "flange").with_goal(bounds).build().unwrap();
+    let arm = Arm::builder(&robot, "base", "flange")
+        .with_goal(bounds)
+        .build()
+        .unwrap();
     let far = Placement::translation(Vector3::new(0.0, 5.0, 0.0));
-    let answer = arm.reachability(far, arm.default_start(), MAX_BOXES).unwrap();
+    let answer = arm
+        .reachability(far, arm.default_start(), MAX_BOXES)
+        .unwrap();
     assert_eq!((answer.is_reachable(), answer.boxes()), (None, 0));
 }

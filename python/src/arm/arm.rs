@@ -14,6 +14,7 @@ use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
+use super::reachability::Reachability;
 use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
@@ -424,6 +425,34 @@ impl Arm {
         let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
         let solutions = solutions.into_iter();
         Ok(solutions.map(|inner| self.solution(py, inner)).collect())
+    }
+
+    /// Decides whether any configuration within the joint limits reaches a target: by a solution, or by a proof that
+    /// there is none. `target` and `start` are as in `solve`.
+    ///
+    /// The proof excludes boxes of joint values by bounds on the motion of the arm, at most `max_boxes` of them. A box
+    /// takes some microseconds. Targets near the border of the reachable set need the most, and can remain undecided.
+    /// Collisions count for solutions only. Proofs need at most eight joints without mimic joints, and a goal that is a
+    /// pose, a position, or a pose with a free rotation about an axis.
+    ///
+    /// Raises `InvalidValueError` as `solve` does.
+    #[pyo3(signature = (target, start = None, *, max_boxes = 100_000))]
+    fn reachability(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole)] max_boxes: usize,
+    ) -> PyResult<Reachability> {
+        let target = target_of(target, "target", &self.inner.goal())?;
+        let start = self.start(start)?;
+        let answer = interruptible(py, || self.inner.reachability(target, &start, max_boxes))?;
+        let answer = answer.or_raise()?;
+        Ok(Reachability {
+            reachable: answer.is_reachable(),
+            boxes: answer.boxes(),
+            solution: Py::new(py, self.solution(py, answer.into_solution()))?,
+        })
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.

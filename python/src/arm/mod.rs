@@ -5,10 +5,12 @@ mod arm;
 mod batch;
 mod derivative;
 mod follower;
+mod reachability;
 mod servo;
 
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
+pub(crate) use reachability::Reachability;
 pub(crate) use servo::{Servo, ServoStep};

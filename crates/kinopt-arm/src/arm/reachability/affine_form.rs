@@ -207,7 +207,10 @@ impl AffineForm {
                 shares[*joint] += 0.5 * size;
             }
         }
-        let largest = shares.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = shares
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1))?;
         (*largest.1 > NEGLIGIBLE).then_some(largest.0)
     }
 
@@ -215,9 +218,14 @@ impl AffineForm {
     pub(super) fn spread_along(&self, weights: &PointVectors) -> f64 {
         let along = |vectors: &PointVectors| {
             let points = weights[..self.points].iter().zip(vectors);
-            points.map(|(weight, vector)| weight.dot(*vector)).sum::<f64>()
+            points
+                .map(|(weight, vector)| weight.dot(*vector))
+                .sum::<f64>()
         };
-        let noises = self.noises().iter().map(|noise| along(&noise.vectors).abs());
+        let noises = self
+            .noises()
+            .iter()
+            .map(|noise| along(&noise.vectors).abs());
         let remainders = weights[..self.points].iter().zip(&self.remainder);
         noises.sum::<f64>() + remainders.map(|(weight, r)| weight.norm() * r).sum::<f64>()
     }

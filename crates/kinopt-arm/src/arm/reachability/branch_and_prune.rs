@@ -57,7 +57,9 @@ impl BoxSearch {
             let mut narrowings = 0;
             loop {
                 let is_late = boxes % BOXES_PER_CLOCK == 0
-                    && self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+                    && self
+                        .deadline
+                        .is_some_and(|deadline| Instant::now() >= deadline);
                 if boxes >= max_boxes || is_late {
                     return BoxSearchEnd::Stopped { boxes };
                 }
@@ -90,7 +92,10 @@ impl BoxSearch {
         base_from_last_joint: &Placement<f64>,
     ) -> Option<(JointBox, Option<usize>)> {
         let joints = self.chain.joints.len();
-        let is_large = joint_box.half_width.iter().any(|width| *width > BALLS_ABOVE);
+        let is_large = joint_box
+            .half_width
+            .iter()
+            .any(|width| *width > BALLS_ABOVE);
         let by_ball = |probe: &Probe| {
             probe.excludes(&self.chain, joint_box, base_from_last_joint, self.tolerance)
         };
@@ -228,10 +233,15 @@ mod tests {
         for case in 0..CHAINS {
             let mut sampler = Sampler(RandomStream::new(6, case));
             let chain = sampler.chain();
-            let limits: Vec<(f64, f64)> =
-                chain.joints().iter().map(|joint| (joint.lower, joint.upper)).collect();
-            let q: Vec<f64> =
-                limits.iter().map(|&(lower, upper)| sampler.between(lower, upper)).collect();
+            let limits: Vec<(f64, f64)> = chain
+                .joints()
+                .iter()
+                .map(|joint| (joint.lower, joint.upper))
+                .collect();
+            let q: Vec<f64> = limits
+                .iter()
+                .map(|&(lower, upper)| sampler.between(lower, upper))
+                .collect();
             let target = chain.base_from_tip(&q).unwrap();
             let end = search(&chain, q.len() / 2 + 1).run(&target, 2_000);
             assert!(matches!(end, BoxSearchEnd::Stopped { .. }), "chain {case}");

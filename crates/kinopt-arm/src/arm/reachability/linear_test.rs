@@ -89,7 +89,10 @@ impl<'a> LinearTest<'a> {
         let mut direction = self.form.centre;
         self.add_linear(factors, &mut direction);
         let linear = &self.form.linear[..self.joints];
-        let reach: f64 = linear.iter().map(|terms| product(&direction, terms).abs()).sum();
+        let reach: f64 = linear
+            .iter()
+            .map(|terms| product(&direction, terms).abs())
+            .sum();
         let distance = product(&direction, &self.form.centre) - reach;
         distance > 0.0 && distance > self.form.spread_along(&direction)
     }
@@ -149,9 +152,14 @@ impl<'a> LinearTest<'a> {
     fn factorise(&self) -> [Row; MAX_JOINTS] {
         let trace: f64 = (0..self.joints).map(|joint| self.gram[joint][joint]).sum();
         let remainders = &self.form.remainder[..self.form.points];
-        let squares: f64 = remainders.iter().map(|remainder| remainder * remainder).sum();
+        let squares: f64 = remainders
+            .iter()
+            .map(|remainder| remainder * remainder)
+            .sum();
         let smallest = MIN_REGULARISATION * trace / self.joints as f64;
-        let regularisation = smallest.max(REGULARISATION * squares).max(f64::MIN_POSITIVE);
+        let regularisation = smallest
+            .max(REGULARISATION * squares)
+            .max(f64::MIN_POSITIVE);
         let mut factor = self.gram;
         for i in 0..self.joints {
             factor[i][i] += regularisation;

@@ -69,6 +69,15 @@ impl Reachability {
         }
     }
 
+    /// The solution, or the closest pose found, by value.
+    #[must_use]
+    pub fn into_solution(self) -> Solution {
+        match self {
+            Self::Reachable(solution) => solution,
+            Self::Unreachable { closest, .. } | Self::Undecided { closest, .. } => closest,
+        }
+    }
+
     /// Number of boxes of joint values that were examined; 0 for a reachable target.
     #[must_use]
     pub fn boxes(&self) -> usize {
@@ -181,7 +190,9 @@ fn compared_points(
     let axes = [Axis::X, Axis::Y, Axis::Z];
     let origin = Vector3::zero();
     if *goal == PoseBounds::pose() {
-        let points = [origin].into_iter().chain(axes.map(|axis| unit(axis) * lever));
+        let points = [origin]
+            .into_iter()
+            .chain(axes.map(|axis| unit(axis) * lever));
         return Some((points.collect(), joints / 2 + 1));
     }
     let mut of_tool = vec![origin];
@@ -189,7 +200,9 @@ fn compared_points(
         let is_free = |axis: &Axis| *goal == PoseBounds::free_about(*axis);
         of_tool.push(unit(axes.into_iter().find(is_free)?) * lever);
     }
-    let of_last_joint = of_tool.iter().map(|&point| chain.last_joint_from_tool.apply(point));
+    let of_last_joint = of_tool
+        .iter()
+        .map(|&point| chain.last_joint_from_tool.apply(point));
     Some((of_last_joint.collect(), joints))
 }
 
