@@ -1,6 +1,7 @@
 //! Promises of kinopt-arm: poses, batches, Cartesian paths, servos and collision avoidance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod accepted_solutions;
 mod any_chain;
 mod avoidance;
 mod calibration;

@@ -16,11 +16,6 @@ use crate::settings::settings;
 use crate::solution::KinoptSolution;
 use crate::world::{KinoptCollisionModel, KinoptWorld};
 
-/// Smallest distance of two of the solutions that are offered to a callback, radians.
-const ACCEPTED_DISTANCE: f64 = 0.1;
-/// Largest number of solutions that are offered to a callback.
-const ACCEPTED_SOLUTIONS: usize = 64;
-
 /// An arm: the joints from a base to a tip of a robot, prepared for queries. It is immutable.
 pub struct KinoptArm {
     pub(crate) inner: Arc<Arm>,
@@ -273,8 +268,10 @@ pub type KinoptAccept =
 
 /// Solves for one target, and offers reached configurations to a callback until it accepts one.
 ///
-/// The first is that of `kinopt_arm_solve`, then come further solutions that differ by 0.1 rad, nearest to the start first.
-/// `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target is not reached.
+/// The first is that of `kinopt_arm_solve`, then come further ones that differ by 0.1 rad, nearest to the start first. An arm
+/// with a time limit searches until it ends, at last for solutions that differ by 0.001 rad, or until further attempts lead to
+/// no new solution. `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target
+/// is not reached.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_arm_solve_accepted(
     arm: *const KinoptArm,
@@ -293,26 +290,9 @@ pub unsafe extern "C" fn kinopt_arm_solve_accepted(
         let accept = accept.ok_or_else(|| Failure::invalid("`accept` is null".to_owned()))?;
         let solution = &mut pointer::object_mut(solution, "solution")?.inner;
         pointer::write(accepted, false, "accepted")?;
-        arm.solve_into(target, start, solution)?;
-        if !solution.reached {
-            return Ok(());
-        }
-        if accept(solution.q.as_ptr(), solution.q.len(), user_data) {
-            return pointer::write(accepted, true, "accepted");
-        }
-        let search = Search::Distinct {
-            k: ACCEPTED_SOLUTIONS,
-            distance: ACCEPTED_DISTANCE,
-        };
-        let others = arm.with_search(search)?.solve_all(target, start)?;
-        for other in others {
-            let is_new = other.reached && other.q != solution.q;
-            if is_new && accept(other.q.as_ptr(), other.q.len(), user_data) {
-                *solution = other;
-                return pointer::write(accepted, true, "accepted");
-            }
-        }
-        Ok(())
+        let accepts = |q: &[f64]| accept(q.as_ptr(), q.len(), user_data);
+        let found = arm.solve_accepted(target, start, accepts, solution)?;
+        pointer::write(accepted, found, "accepted")
     })
 }
 

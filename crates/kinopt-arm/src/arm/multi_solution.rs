@@ -54,24 +54,34 @@ pub(super) fn collect_solutions(
     workspace: &mut ArmWorkspace,
     query: &Query<'_>,
 ) -> Termination {
+    collect_solutions_from(arm, workspace, query, 0)
+}
+
+/// Collects the solutions of the attempts `first_attempt`, `first_attempt + 1`, …, as many as a query makes.
+pub(super) fn collect_solutions_from(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+    first_attempt: u32,
+) -> Termination {
     let n = arm.joint_count();
-    let attempts = attempts_at(arm, query.target);
+    let end = first_attempt.saturating_add(attempts_at(arm, query.target));
     let iterations = arm.options.iterations;
     let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
     workspace.attempt_ends.clear();
     workspace.outcomes.clear();
-    let mut first = 0;
-    while first < attempts && total_iterations(&workspace.outcomes) < budget {
+    let mut next = first_attempt;
+    while next < end && total_iterations(&workspace.outcomes) < budget {
         let group = match query.deadline {
             Some(_) => TIMED_GROUP_ATTEMPTS,
             None => GROUP_ATTEMPTS,
         };
-        let count = group.min(attempts - first);
-        run_attempts(arm, workspace, query, first, count);
-        if first == 0 && !query.is_late() {
+        let count = group.min(end - next);
+        run_attempts(arm, workspace, query, next, count);
+        if next == 0 && !query.is_late() {
             continue_first(arm, workspace, query);
         }
-        first += count;
+        next += count;
         if query.is_late() {
             break;
         }
@@ -87,7 +97,7 @@ pub(super) fn collect_solutions(
     // By distance, then by number: no two are equal.
     let ranking = &mut workspace.ranking;
     ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    if query.is_late() && first < attempts {
+    if query.is_late() && next < end {
         Termination::TimeLimit
     } else {
         Termination::Reached

@@ -356,8 +356,10 @@ KinoptStatus kinopt_arm_solve(const KinoptArm *arm,
 /**
  * Solves for one target, and offers reached configurations to a callback until it accepts one.
  *
- * The first is that of `kinopt_arm_solve`, then come further solutions that differ by 0.1 rad, nearest to the start first.
- * `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target is not reached.
+ * The first is that of `kinopt_arm_solve`, then come further ones that differ by 0.1 rad, nearest to the start first. An arm
+ * with a time limit searches until it ends, at last for solutions that differ by 0.001 rad, or until further attempts lead to
+ * no new solution. `accepted` is false, and the solution is the first one, if the callback rejects all of them or the target
+ * is not reached.
  */
 KinoptStatus kinopt_arm_solve_accepted(const KinoptArm *arm,
                                        const double *base_from_tool,

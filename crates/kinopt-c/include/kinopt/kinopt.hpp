@@ -5,6 +5,7 @@
 #ifndef KINOPT_HPP
 #define KINOPT_HPP
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -344,7 +345,9 @@ public:
     solve(target, start, solution);
     return solution;
   }
-  /// Offers reached configurations to `accept` until it returns true. Returns whether one was accepted. An exception of
+  /// Offers reached configurations to `accept` until it returns true. Returns whether one was accepted.
+  ///
+  /// An arm with a time limit searches until it ends, or until further attempts lead to no new solution. An exception of
   /// `accept` ends the search and is thrown again.
   bool solve_accepted(const Placement &target, const VectorRef &start,
                       const std::function<bool(Eigen::Map<const Vector>)> &accept, Solution &solution) const {
@@ -410,14 +413,76 @@ public:
   }
   Eigen::Matrix<double, 6, Eigen::Dynamic> at(const VectorRef &q) {
     Eigen::Matrix<double, 6, Eigen::Dynamic> matrix(6, columns_);
-    detail::check(kinopt_jacobian_at(owner_.get(), q.data(), detail::size(q.size()), matrix.data(),
-                                     detail::size(matrix.size())));
+    at(q, matrix.data());
     return matrix;
   }
+  /// Writes the matrix by columns to `matrix`, six numbers for each joint. Allocates nothing.
+  void at(const VectorRef &q, double *matrix) {
+    detail::check(
+        kinopt_jacobian_at(owner_.get(), q.data(), detail::size(q.size()), matrix, 6 * detail::size(columns_)));
+  }
+  /// Number of joints.
+  Eigen::Index columns() const { return columns_; }
 
 private:
   Eigen::Index columns_;
   detail::Owner<KinoptJacobian, kinopt_jacobian_free> owner_;
+};
+
+/// A link between base and tip of an arm, such as the elbow: its placement and Jacobian in the arm's base.
+class ArmLink {
+public:
+  /// `base` is empty for the world. Throws an error for a link that is not between base and tip.
+  ArmLink(const Robot &robot, const std::string &base, const std::string &tip, const std::string &link) {
+    // Seeds are of no use here, and take time.
+    const Settings settings = Settings().set("atlas", false);
+    const Arm arm(robot, base, tip, settings);
+    const std::vector<std::string> joints = arm.joint_names();
+    joint_count_ = detail::index(joints.size());
+    std::vector<std::string> moving;
+    try {
+      part_.emplace(robot, base, link, settings);
+      jacobian_.emplace(*part_);
+      moving = part_->joint_names();
+    } catch (const Error &) {
+      // No joint moves the link, or there is none of this name.
+      const Arm rest(robot, link, tip, settings);
+      if (rest.joint_names() != joints) throw;
+      const Vector q = arm.default_start();
+      fixed_ = arm.base_from_tool(q) * rest.base_from_tool(q).inverse();
+    }
+    if (moving.size() > joints.size() || !std::equal(moving.begin(), moving.end(), joints.begin())) {
+      throw Error(KINOPT_STATUS_INVALID_VALUE,
+                  "link `" + link + "` is not between base `" + base + "` and tip `" + tip + "`");
+    }
+  }
+  /// Placement in the base at a configuration of the arm.
+  Placement base_from_link(const VectorRef &q) const {
+    check_length(q);
+    return part_ ? part_->base_from_tool(q.head(detail::index(part_->joint_count()))) : fixed_;
+  }
+  /// Jacobian at a configuration of the arm: linear, then angular velocity in the base's axes.
+  ///
+  /// Joints beyond the link have columns of zeros. Allocates nothing if `matrix` has a column for each joint of the arm.
+  void jacobian(const VectorRef &q, Eigen::Matrix<double, 6, Eigen::Dynamic> &matrix) {
+    check_length(q);
+    matrix.setZero(6, joint_count_);
+    if (jacobian_) jacobian_->at(q.head(jacobian_->columns()), matrix.data());
+  }
+
+private:
+  void check_length(const VectorRef &q) const {
+    if (q.size() != joint_count_) {
+      throw Error(KINOPT_STATUS_INVALID_VALUE,
+                  "`q` has length " + std::to_string(q.size()) + ", expected " + std::to_string(joint_count_));
+    }
+  }
+
+  Eigen::Index joint_count_ = 0;
+  /// From the base to the link; none if no joint moves it.
+  std::optional<Arm> part_;
+  std::optional<Jacobian> jacobian_;
+  Placement fixed_ = Placement::Identity();
 };
 
 /// One joint command in each control cycle, within motion limits.

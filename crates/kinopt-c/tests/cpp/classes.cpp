@@ -61,6 +61,30 @@ int main(int count, char **arguments) {
   }
   CHECK(thrown);
 
+  // Links of the arm: the tip moves as the arm, the elbow by the first joints, the base not at all.
+  kinopt::Jacobian whole(arm);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> columns;
+  for (const char *name : {"base", "link4", "flange"}) {
+    kinopt::ArmLink link(robot, "base", "flange", name);
+    link.jacobian(start, columns);
+    CHECK(columns.cols() == 7);
+    for (Eigen::Index joint = 0; joint < 7; ++joint) {
+      const double step = 1e-6;
+      kinopt::Vector ahead = start, behind = start;
+      ahead[joint] += step, behind[joint] -= step;
+      const kinopt::Placement a = link.base_from_link(ahead), b = link.base_from_link(behind);
+      const Eigen::Vector3d velocity = (a.translation() - b.translation()) / (2 * step);
+      CHECK((velocity - columns.col(joint).head<3>()).norm() < 1e-8);
+      const Eigen::AngleAxisd turn(a.linear() * b.linear().transpose());
+      CHECK((turn.angle() * turn.axis() / (2 * step) - columns.col(joint).tail<3>()).norm() < 1e-8);
+    }
+  }
+  CHECK(columns == whole.at(start));
+  const kinopt::ArmLink root(robot, "base", "flange", "base");
+  CHECK(distance(root.base_from_link(start), kinopt::Placement::Identity()) < 1e-15);
+  CHECK(status_of([&] { kinopt::ArmLink(robot, "base", "link4", "flange"); }) == KINOPT_STATUS_INVALID_VALUE);
+  CHECK(status_of([&] { kinopt::ArmLink(robot, "base", "flange", "elbow"); }) == KINOPT_STATUS_UNKNOWN_NAME);
+
   // A servo keeps its velocity limits on the way to a target.
   const double step = 1e-3;
   const kinopt::Vector limits = kinopt::Vector::Constant(7, 0.5);
