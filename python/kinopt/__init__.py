@@ -29,6 +29,7 @@ from ._kinopt import (
     Follower,
     ForwardKinematics,
     Frame,
+    GoalSetSolution,
     PoseBounds,
     Iteration,
     Jacobian,
@@ -80,6 +81,7 @@ from ._kinopt import (
     frame_jacobian,
     frame_placement,
     interpolate,
+    solve_goals,
     solve_path,
 )
 from .errors import (
@@ -125,6 +127,7 @@ __all__ = [
     "Follower",
     "ForwardKinematics",
     "Frame",
+    "GoalSetSolution",
     "PoseBounds",
     "InvalidFileError",
     "InvalidValueError",
@@ -186,6 +189,7 @@ __all__ = [
     "interpolate",
     "retarget",
     "retargeting",
+    "solve_goals",
     "solve_path",
     "io",
     "methods",

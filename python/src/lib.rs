@@ -63,7 +63,10 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Reachability, Servo, ServoStep};
+    use super::arm::{
+        Arm, ArmDerivative, Batch, Follower, GoalSetSolution, Reachability, Servo, ServoStep,
+        solve_goals,
+    };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};
     #[pymodule_export]

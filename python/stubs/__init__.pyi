@@ -661,6 +661,15 @@ class Arm:
         k: int = 16,
         distance: float = 0.1,
     ) -> list[Solution]: ...
+    def solve_goals(
+        self,
+        targets: PlacementsLike,
+        tools: PlacementsLike | None = None,
+        start: ConfigurationLike | None = None,
+        *,
+        criterion: str | Callable[[int, Floats], ArrayLike] = "distance",
+        threads: int | None = 1,
+    ) -> GoalSetSolution: ...
     def reachability(
         self,
         target: PlacementLike,
@@ -766,6 +775,31 @@ def calibrate(
     prior: tuple[float, float] = (0.005, 0.02),
     robust: bool = True,
 ) -> Calibration: ...
+
+@final
+class GoalSetSolution:
+    @property
+    def reached(self) -> NDArray[np.bool_]: ...
+    @property
+    def cost(self) -> Floats: ...
+    @property
+    def status(self) -> list[list[str]]: ...
+    @property
+    def q(self) -> list[Floats]: ...
+    @property
+    def best(self) -> tuple[int, int] | None: ...
+    @property
+    def ranking(self) -> NDArray[np.int64]: ...
+    def explain(self, arm: int, target: int, *, max_boxes: int = 20_000) -> str: ...
+
+def solve_goals(
+    arms: Sequence[Arm],
+    targets: PlacementsLike,
+    starts: Sequence[ConfigurationLike] | None = None,
+    *,
+    criterion: str | Callable[[int, Floats], ArrayLike] = "distance",
+    threads: int | None = 1,
+) -> GoalSetSolution: ...
 
 @final
 class Reachability:

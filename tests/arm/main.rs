@@ -9,6 +9,7 @@ mod default_start;
 mod derivatives;
 mod elbow_branches;
 mod flipped_axes;
+mod goal_sets;
 mod huge_numbers;
 mod jacobian;
 mod jumps;

@@ -15,7 +15,7 @@ use pyo3::types::PyDict;
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
 use super::reachability::Reachability;
-use super::{Follower, Servo};
+use super::{Follower, GoalSetSolution, Servo, goal_set};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::coordinates::Coordinates;
@@ -113,7 +113,7 @@ impl Arm {
     }
 
     /// Returns the given start, or the default one.
-    fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+    pub(super) fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
                 let start = self.by_position(start, "start")?;
@@ -453,6 +453,29 @@ impl Arm {
             boxes: answer.boxes(),
             solution: Py::new(py, self.solution(py, answer.into_solution()))?,
         })
+    }
+
+    /// Solves every target with each of several tools, and ranks the reached ones: `kinopt.solve_goals` for one arm.
+    /// `tools`, shape (M, 4, 4), are placements of the tool in the tip, None for the arm's own tool.
+    ///
+    /// Raises the errors of `kinopt.solve_goals`.
+    #[pyo3(
+        signature = (targets, tools = None, start = None, *, criterion = None, threads = 1),
+        text_signature = "($self, targets, tools=None, start=None, *, criterion='distance', threads=1)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn solve_goals(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        tools: Option<&Bound<'_, PyAny>>,
+        start: Option<&Bound<'_, PyAny>>,
+        criterion: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
+    ) -> PyResult<GoalSetSolution> {
+        let arms = self.with_tools(tools)?;
+        let starts = vec![self.start(start)?; arms.len()];
+        goal_set::solve(py, arms, targets, starts, criterion, threads)
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.

@@ -15,12 +15,14 @@ const BALLS_ABOVE: f64 = 0.3;
 const NARROW_AGAIN: f64 = 0.5;
 /// Largest number of times that a box is narrowed before it is divided.
 const MAX_NARROWINGS: usize = 20;
+/// Allowance for rounding errors, as a fraction of the arm's extent plus the distance of the target.
+const ROUNDING: f64 = 1e-12;
 /// Boxes between two looks at the clock.
 const BOXES_PER_CLOCK: usize = 64;
 
 /// End of a search over boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum BoxSearchEnd {
+pub(in crate::arm) enum BoxSearchEnd {
     /// All boxes are excluded.
     Empty {
         /// Number of boxes.
@@ -35,7 +37,7 @@ pub(super) enum BoxSearchEnd {
 
 /// Search for a proof that no configuration reaches a target.
 #[derive(Clone, Debug)]
-pub(super) struct BoxSearch {
+pub(in crate::arm) struct BoxSearch {
     pub(super) chain: AxisChain,
     pub(super) probes: Vec<Probe>,
     /// Number of joints between the base and the link of `points`.
@@ -44,12 +46,18 @@ pub(super) struct BoxSearch {
     pub(super) points: Vec<Vector3<f64>>,
     /// Distance of two points that counts as none, metres.
     pub(super) tolerance: f64,
+    /// Length of the arm, metres.
+    pub(super) extent: f64,
     pub(super) deadline: Option<Instant>,
 }
 
 impl BoxSearch {
     /// Divides the limits into boxes, depth first, until all are excluded.
-    pub(super) fn run(&self, base_from_tool: &Placement<f64>, max_boxes: usize) -> BoxSearchEnd {
+    pub(in crate::arm) fn run(
+        &self,
+        base_from_tool: &Placement<f64>,
+        max_boxes: usize,
+    ) -> BoxSearchEnd {
         let base_from_last_joint = *base_from_tool * self.chain.last_joint_from_tool.inverse();
         let mut boxes = 0;
         let mut stack = vec![self.chain.limits];
@@ -92,13 +100,14 @@ impl BoxSearch {
         base_from_last_joint: &Placement<f64>,
     ) -> Option<(JointBox, Option<usize>)> {
         let joints = self.chain.joints.len();
+        let distance = base_from_last_joint.translation.norm();
+        let tolerance = self.tolerance + ROUNDING * (self.extent + distance);
         let is_large = joint_box
             .half_width
             .iter()
             .any(|width| *width > BALLS_ABOVE);
-        let by_ball = |probe: &Probe| {
-            probe.excludes(&self.chain, joint_box, base_from_last_joint, self.tolerance)
-        };
+        let by_ball =
+            |probe: &Probe| probe.excludes(&self.chain, joint_box, base_from_last_joint, tolerance);
         if is_large && self.probes.iter().any(by_ball) {
             return None;
         }
@@ -107,7 +116,7 @@ impl BoxSearch {
         let of_target =
             AffineForm::of_target(chain, cut, &self.points, joint_box, base_from_last_joint);
         let mut difference = of_arm.minus(&of_target);
-        difference.widen(self.tolerance);
+        difference.widen(tolerance);
         let test = LinearTest::new(&difference, joints);
         if test.excludes() {
             return None;
@@ -199,7 +208,8 @@ mod tests {
                 Vector3::new(0.0, 0.2, 0.0),
                 Vector3::new(0.0, 0.0, 0.2),
             ],
-            tolerance: 1e-12,
+            tolerance: 0.0,
+            extent: 1.0,
             deadline: None,
         }
     }

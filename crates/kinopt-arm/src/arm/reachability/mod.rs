@@ -11,7 +11,7 @@ use super::arm::Arm;
 use super::{Axis, PoseBounds, QueryError};
 use axis_chain::AxisChain;
 use ball_bound::Probe;
-use branch_and_prune::{BoxSearch, BoxSearchEnd};
+pub(super) use branch_and_prune::{BoxSearch, BoxSearchEnd};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 use kinopt_solver::ik::Solution;
 
@@ -23,9 +23,6 @@ const MAX_POINTS: usize = 4;
 ///
 /// It weighs rotations against positions. Of 0.15, 0.3 and 0.5 the first needs the fewest boxes.
 const LEVER: f64 = 0.15;
-/// Allowance for rounding errors, as a fraction of the arm's extent plus the distance of the target.
-const ROUNDING: f64 = 1e-12;
-
 /// Answer to the question whether any configuration within the joint limits reaches a target.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -134,7 +131,10 @@ impl Arm {
         if solution.reached {
             return Ok(Reachability::Reachable(solution));
         }
-        Ok(match self.exclude_all(&target, max_boxes) {
+        let end = self
+            .box_search()
+            .map(|search| search.run(&target, max_boxes));
+        Ok(match end {
             Some(BoxSearchEnd::Empty { boxes }) => Reachability::Unreachable {
                 boxes,
                 closest: solution.proven_unreachable(boxes),
@@ -150,17 +150,14 @@ impl Arm {
         })
     }
 
-    /// Tries to exclude all configurations. Returns `None` for a chain or a goal without a proof.
-    fn exclude_all(&self, target: &Placement<f64>, max_boxes: usize) -> Option<BoxSearchEnd> {
-        let source = self.serial.chain.as_ref()?;
-        let chain = AxisChain::new(source)?;
+    /// Search for proofs that targets are out of reach; `None` for a chain or a goal without proofs.
+    pub(super) fn box_search(&self) -> Option<BoxSearch> {
+        let chain = AxisChain::new(self.serial.chain.as_ref()?)?;
         let extent = self.serial.extent;
         let lever = LEVER * extent;
         let (points, cut) = compared_points(&self.options.goal, lever, &chain)?;
-        let is_pose = self.options.goal == PoseBounds::pose();
-        let rounding = ROUNDING * (extent + target.translation.norm());
-        let search = BoxSearch {
-            probes: match is_pose {
+        Some(BoxSearch {
+            probes: match self.options.goal == PoseBounds::pose() {
                 true => Probe::on_axes(&chain),
                 false => points.iter().map(|&point| Probe { cut, point }).collect(),
             },
@@ -169,11 +166,10 @@ impl Arm {
             points,
             // A point is at most the extent and the lever away from the tool's origin.
             tolerance: self.options.position_tolerance
-                + (extent + lever) * self.options.orientation_tolerance
-                + rounding,
+                + (extent + lever) * self.options.orientation_tolerance,
+            extent,
             deadline: self.deadline(),
-        };
-        Some(search.run(target, max_boxes))
+        })
     }
 }
 
