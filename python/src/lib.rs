@@ -65,7 +65,8 @@ mod _kinopt {
     use super::animation::animation;
     #[pymodule_export]
     use super::arm::{
-        AllSolutions, Arm, ArmDerivative, Batch, Follower, SelfMotion, Servo, ServoStep,
+        AllSolutions, Arm, ArmDerivative, Batch, Follower, GoalSetSolution, Reachability,
+        SelfMotion, Servo, ServoStep, solve_goals,
     };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};

@@ -655,6 +655,22 @@ class Arm:
     def solve(self, target: PlacementLike, start: ConfigurationLike | None = None) -> Solution: ...
     def solve_all(self, target: PlacementLike, start: ConfigurationLike | None = None) -> AllSolutions: ...
     def self_motions(self, target: PlacementLike) -> list[SelfMotion] | None: ...
+    def solve_goals(
+        self,
+        targets: PlacementsLike,
+        tools: PlacementsLike | None = None,
+        start: ConfigurationLike | None = None,
+        *,
+        criterion: str | Callable[[int, Floats], ArrayLike] = "distance",
+        threads: int | None = 1,
+    ) -> GoalSetSolution: ...
+    def reachability(
+        self,
+        target: PlacementLike,
+        start: ConfigurationLike | None = None,
+        *,
+        max_boxes: int = 100_000,
+    ) -> Reachability: ...
     def solve_batch(
         self,
         targets: PlacementsLike,
@@ -753,6 +769,41 @@ def calibrate(
     prior: tuple[float, float] = (0.005, 0.02),
     robust: bool = True,
 ) -> Calibration: ...
+
+@final
+class GoalSetSolution:
+    @property
+    def reached(self) -> NDArray[np.bool_]: ...
+    @property
+    def cost(self) -> Floats: ...
+    @property
+    def status(self) -> list[list[str]]: ...
+    @property
+    def q(self) -> list[Floats]: ...
+    @property
+    def best(self) -> tuple[int, int] | None: ...
+    @property
+    def ranking(self) -> NDArray[np.int64]: ...
+    def explain(self, arm: int, target: int, *, max_boxes: int = 20_000) -> str: ...
+
+def solve_goals(
+    arms: Sequence[Arm],
+    targets: PlacementsLike,
+    starts: Sequence[ConfigurationLike] | None = None,
+    *,
+    criterion: str | Callable[[int, Floats], ArrayLike] = "distance",
+    threads: int | None = 1,
+) -> GoalSetSolution: ...
+
+@final
+class Reachability:
+    @property
+    def reachable(self) -> bool | None: ...
+    @property
+    def solution(self) -> Solution: ...
+    @property
+    def boxes(self) -> int: ...
+    def explain(self) -> str: ...
 
 @final
 class JointJump:

@@ -318,3 +318,41 @@ def test_invalid_target_of_batch_is_named(arm, targets):
     frozen.flags.writeable = False
     with pytest.raises(kinopt.InvalidValueError, match="writable"):
         arm.solve_batch(targets, START, out=frozen)
+
+
+def test_reachability_is_a_solution_or_a_proof(robot, targets):
+    arm = kinopt.Arm(robot, "base", "flange")
+    found = arm.reachability(targets[0])
+    assert found.reachable and found.solution.reached and found.boxes == 0
+    turned = np.eye(4)
+    turned[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    turned[:3, 3] = [0.2, 0.1, 0.1]
+    proof = arm.reachability(turned)
+    assert proof.reachable is False and proof.boxes > 0
+    assert proof.solution.is_out_of_reach and "Out of reach" in proof.explain()
+    assert arm.reachability(turned, max_boxes=0).reachable is None
+
+
+def test_goal_sets_rank_targets_of_tools(arm, targets):
+    far = np.array(targets[:40])
+    far[::4, :3, 3] += 3.0
+    tools = np.tile(np.eye(4), (2, 1, 1))
+    tools[1, 2, 3] = 0.1
+    found = arm.solve_goals(far, tools, threads=2)
+    assert found.reached.shape == found.cost.shape == (2, 40)
+    assert found.reached[0, 1::4].all() and not found.reached[:, ::4].any()
+    assert found.status[0][0] == "out of reach" and np.isnan(found.q[0][0]).all()
+    single = arm.solve(far[1])
+    np.testing.assert_array_equal(found.q[0][1], single.q)
+    costs = found.cost[tuple(found.ranking.T)]
+    assert (np.diff(costs) >= 0).all() and len(costs) == found.reached.sum()
+    assert tuple(found.ranking[0]) == found.best
+    assert "Out of reach" in found.explain(0, 0)
+
+    wrist = kinopt.solve_goals([arm], far, criterion=lambda index, q: np.abs(q[:, 6]))
+    reached = wrist.reached[0]
+    np.testing.assert_array_equal(wrist.cost[0][reached], np.abs(wrist.q[0][reached, 6]))
+    with pytest.raises(kinopt.UnknownNameError, match="distance, manipulability, clearance"):
+        arm.solve_goals(far, criterion="speed")
+    with pytest.raises(kinopt.InvalidValueError, match="one start for each arm"):
+        kinopt.solve_goals([arm], far, starts=[START, START])

@@ -15,7 +15,8 @@ use pyo3::types::PyDict;
 use super::all_solutions::{AllSolutions, SelfMotion};
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::{Follower, Servo};
+use super::reachability::Reachability;
+use super::{Follower, GoalSetSolution, Servo, goal_set};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::coordinates::Coordinates;
@@ -97,7 +98,7 @@ impl Arm {
     }
 
     /// Returns the given start, or the default one.
-    fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+    pub(super) fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
                 let start = self.by_position(start, "start")?;
@@ -424,6 +425,57 @@ impl Arm {
         let target = target_of(target, "target", &self.inner.goal())?;
         let motions = interruptible(py, || self.inner.self_motions(target))?.or_raise()?;
         Ok(motions.map(|motions| motions.into_iter().map(SelfMotion::new).collect()))
+    }
+
+    /// Decides whether any configuration within the joint limits reaches a target: by a solution, or by a proof that
+    /// there is none. `target` and `start` are as in `solve`.
+    ///
+    /// The proof excludes boxes of joint values by bounds on the motion of the arm, at most `max_boxes` of them. A box
+    /// takes some microseconds. Targets near the border of the reachable set need the most, and can remain undecided.
+    /// Collisions count for solutions only. Proofs need at most eight joints without mimic joints, and a goal that is a
+    /// pose, a position, or a pose with a free rotation about an axis.
+    ///
+    /// Raises `InvalidValueError` as `solve` does.
+    #[pyo3(signature = (target, start = None, *, max_boxes = 100_000))]
+    fn reachability(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole)] max_boxes: usize,
+    ) -> PyResult<Reachability> {
+        let target = target_of(target, "target", &self.inner.goal())?;
+        let start = self.start(start)?;
+        let answer = interruptible(py, || self.inner.reachability(target, &start, max_boxes))?;
+        let answer = answer.or_raise()?;
+        Ok(Reachability {
+            reachable: answer.is_reachable(),
+            boxes: answer.boxes(),
+            solution: Py::new(py, self.solution(py, answer.into_solution()))?,
+        })
+    }
+
+    /// Solves every target with each of several tools, and ranks the reached ones: `kinopt.solve_goals` for one arm.
+    /// `tools`, shape (M, 4, 4), are placements of the tool in the tip, None for the arm's own tool.
+    ///
+    /// Raises the errors of `kinopt.solve_goals`.
+    #[pyo3(
+        signature = (targets, tools = None, start = None, *, criterion = None, threads = 1),
+        text_signature = "($self, targets, tools=None, start=None, *, criterion='distance', threads=1)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn solve_goals(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        tools: Option<&Bound<'_, PyAny>>,
+        start: Option<&Bound<'_, PyAny>>,
+        criterion: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
+    ) -> PyResult<GoalSetSolution> {
+        let arms = self.with_tools(tools)?;
+        let starts = vec![self.start(start)?; arms.len()];
+        goal_set::solve(py, arms, targets, starts, criterion, threads)
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.

@@ -6,6 +6,8 @@ mod arm;
 mod batch;
 mod derivative;
 mod follower;
+mod goal_set;
+mod reachability;
 mod servo;
 
 pub(crate) use all_solutions::{AllSolutions, SelfMotion};
@@ -13,4 +15,6 @@ pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
+pub(crate) use goal_set::{GoalSetSolution, solve_goals};
+pub(crate) use reachability::Reachability;
 pub(crate) use servo::{Servo, ServoStep};

@@ -97,7 +97,7 @@ each! { value:
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
-    arm::ArmBuilder<'static>, arm::PoseBounds, arm::ServoStatus, arm::JointPath<()>,
+    arm::ArmBuilder<'static>, arm::PoseBounds, arm::Reachability, arm::ServoStatus, arm::JointPath<()>,
     simd_ik::Chain, simd_ik::LaneOptions,
 }
 
