@@ -47,7 +47,7 @@ impl Arm {
     ) -> Result<(), QueryError> {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
+        self.check_query(None, &target, start)?;
         solve_query(self, &Query::new(self, &target, start), solution)?;
         Ok(())
     }
@@ -70,7 +70,7 @@ impl Arm {
             return Ok(vec![self.solve(target, start)?]);
         };
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
+        self.check_query(None, &target, start)?;
         solve_distinct(self, &target, start, (k, distance))
     }
 
@@ -171,7 +171,7 @@ impl Arm {
     ) -> Result<ArmDerivative, QueryError> {
         let target = base_from_tool.into();
         self.check_length("q", q.len(), self.joint_count())?;
-        self.check_query(0, &target, q)?;
+        self.check_query(None, &target, q)?;
         derivative(self, &target, q)
     }
 }
