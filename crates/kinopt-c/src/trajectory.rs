@@ -24,9 +24,9 @@ pub struct KinoptTrajectory {
 /// Limits have one number for each joint, infinite for none: velocities (rad/s or m/s), accelerations and jerks. Null is the
 /// limits of the robot's files; of jerks it is none.
 ///
-/// `settings`: `corner_tolerance` (largest distance of a joint from the path at a blended corner, radians or metres),
-/// `grid_points` (of the speed profile), `allow_unreached` (time a path with missed points or blocked steps, by default an
-/// error).
+/// A path with missed points or blocked steps is an error, unless the setting `allow_unreached` is true. Other settings are
+/// `corner_tolerance`, the largest distance of a joint from the path at a blended corner (radians or metres), and `grid_points`
+/// of the speed profile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_joint_path_trajectory(
     path: *const KinoptJointPath,

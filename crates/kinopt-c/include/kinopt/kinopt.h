@@ -2,12 +2,13 @@
  * Generated from the Rust sources: do not edit.
  *
  * Units are metres, radians and seconds. Placements are sixteen numbers: a 4 x 4 matrix by columns, as in Eigen.
- * Settings are JSON objects with the library's options by name, or null for the defaults.
+ * Settings are JSON objects with the library's options by name, or null for the defaults. Infinite numbers are the texts
+ * "inf" and "-inf". An option that is unknown or given twice is an error.
  *
  * Functions return a status; kinopt_error_message() has the text of the last error of the calling thread.
  * A target that is not reached is no error.
  *
- * The caller frees every object by its _free function, in any order. Robots, arms, collision models, problems and joint
+ * The caller frees every object once by its _free function, in any order; null is ignored. Robots, arms, collision models, problems and joint
  * paths are immutable and shared between threads. Other objects are used by one thread at a time.
  *
  * No panic and no exception crosses this interface. A callback must not throw.
@@ -797,9 +798,9 @@ KinoptStatus kinopt_targets_set_numbers(KinoptTargets *targets,
  * Limits have one number for each joint, infinite for none: velocities (rad/s or m/s), accelerations and jerks. Null is the
  * limits of the robot's files; of jerks it is none.
  *
- * `settings`: `corner_tolerance` (largest distance of a joint from the path at a blended corner, radians or metres),
- * `grid_points` (of the speed profile), `allow_unreached` (time a path with missed points or blocked steps, by default an
- * error).
+ * A path with missed points or blocked steps is an error, unless the setting `allow_unreached` is true. Other settings are
+ * `corner_tolerance`, the largest distance of a joint from the path at a blended corner (radians or metres), and `grid_points`
+ * of the speed profile.
  */
 KinoptStatus kinopt_joint_path_trajectory(const KinoptJointPath *path,
                                           const KinoptArm *arm,
