@@ -21,7 +21,7 @@ use crate::table::Table;
 const EXAMPLES: &str = "\
 Examples:
   kinopt calibrate ur5e.urdf measured.csv --base base --tip flange --out calibrated.urdf
-  kinopt calibrate ur5e.urdf points.csv --base base --tip flange --parameters offsets,base,tool
+  kinopt calibrate ur5e.urdf points.csv --base base --tip flange --parameters joint_offsets,base,tool
 
 A row of the CSV file is a measurement: the joint positions from base to tip, then x, y, z of the
 tip, or x, y, z, qw, qx, qy, qz. A first row with names is skipped. The frame of the measurements
@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FRAME")]
     tip: String,
 
-    /// Estimated parts: offsets, positions, rotations, base, tool. Default: all.
+    /// Estimated parts: joint_offsets, link_positions, link_rotations, base, tool. Default: all.
     #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = PARTS)]
     parameters: Vec<String>,
 
@@ -64,7 +64,13 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-const PARTS: [&str; 5] = ["offsets", "positions", "rotations", "base", "tool"];
+const PARTS: [&str; 5] = [
+    "joint_offsets",
+    "link_positions",
+    "link_rotations",
+    "base",
+    "tool",
+];
 
 #[derive(Serialize)]
 struct Document {
@@ -174,9 +180,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if !arguments.parameters.is_empty() {
         let has = |part: &str| arguments.parameters.iter().any(|name| name == part);
         calibration = calibration.with_parameters(ParameterSet {
-            joint_offsets: has("offsets"),
-            link_positions: has("positions"),
-            link_rotations: has("rotations"),
+            joint_offsets: has("joint_offsets"),
+            link_positions: has("link_positions"),
+            link_rotations: has("link_rotations"),
             base: has("base"),
             tool: has("tool"),
         });

@@ -140,7 +140,8 @@ fn parts(names: Option<Vec<String>>) -> PyResult<ParameterSet> {
 /// metres and radians; default: estimated. `prior` is the expected deviation of the robot from its model in metres and
 /// radians. With `robust`, measurements far from the fit count less.
 ///
-/// Raises `UnknownNameError` for an unknown frame or part, `InvalidValueError` for numbers that do not match.
+/// Raises `UnknownNameError` for an unknown frame or part. Raises `InvalidValueError` for numbers that do not match, for too
+/// few measurements, and for a residual far beyond the prior, as of degrees or millimetres.
 #[pyfunction]
 #[pyo3(
     signature = (

@@ -164,6 +164,7 @@ const char *const MIMIC_ROBOT = R"(<robot name="mimic">
 void initialization() {
   Chain arm = panda();
   CHECK(arm.initialize());
+  CHECK(rclcpp::stand_in::last_info.find(GROUP) != std::string::npos);
   CHECK(arm.plugin->getJointNames() ==
         (std::vector<std::string>{"joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"}));
   CHECK(arm.plugin->getLinkNames() == std::vector<std::string>{"flange"});

@@ -288,6 +288,66 @@ fn translations_along_parallel_axes_are_undetermined() {
     );
 }
 
+/// The base rotates about the axis of the first joint: only the sum of its rotation and the joint's offset is determined.
+#[test]
+fn base_that_sums_with_a_joint_is_undetermined() {
+    let mut bench = Bench::new(UR5E, 9);
+    let (q, poses) = bench.measure(80);
+    let fit_of = |parameters| {
+        let calibration = bench.calibration().with_parameters(parameters);
+        let fit = calibration.fit(&q, Measurements::Poses(&poses)).unwrap();
+        let determined = move |name: &str| {
+            let named = |found: &&kinopt::calibration::ParameterEstimate| found.name == name;
+            fit.parameters.iter().find(named).unwrap().is_determined
+        };
+        determined
+    };
+    let all = fit_of(ParameterSet::default());
+    for name in [
+        "base position x",
+        "base position y",
+        "base position z",
+        "base rotation z",
+    ] {
+        assert!(!all(name), "{name}");
+    }
+    let links = ParameterSet {
+        joint_offsets: false,
+        link_positions: false,
+        link_rotations: false,
+        ..ParameterSet::default()
+    };
+    let base_and_tool = fit_of(links);
+    assert!(base_and_tool("base position x") && base_and_tool("base rotation z"));
+}
+
+#[test]
+fn wrong_units_are_an_error() {
+    let mut bench = Bench::new(UR5E, 4);
+    let (q, poses) = bench.measure(50);
+    let calibration = bench.calibration();
+    let degrees: Vec<f64> = q.iter().map(|radians| radians.to_degrees()).collect();
+    let millimetres = poses.iter().map(|pose| Placement {
+        translation: pose.translation * 1e3,
+        ..*pose
+    });
+    let millimetres: Vec<_> = millimetres.collect();
+    let points: Vec<_> = millimetres.iter().map(|pose| pose.translation).collect();
+    for error in [
+        calibration.fit(&degrees, Measurements::Poses(&poses)),
+        calibration.fit(&q, Measurements::Poses(&millimetres)),
+        calibration.fit(&q, Measurements::Points(&points)),
+        calibration
+            .clone()
+            .with_noise(NOISE)
+            .fit(&degrees, Measurements::Poses(&poses)),
+    ] {
+        let error = error.unwrap_err();
+        assert!(matches!(error, CalibrationError::NoFit { .. }), "{error}");
+        assert!(error.to_string().contains("units"), "{error}");
+    }
+}
+
 #[test]
 fn urdf_keeps_all_other_text() {
     let mut bench = Bench::new(PANDA, 2);
@@ -326,7 +386,11 @@ fn invalid_input_is_named() {
     ));
     assert!(matches!(
         fit(&[0.0; 12], &poses[..2]),
-        CalibrationError::TooFew { measurements: 2 }
+        CalibrationError::TooFew {
+            measurements: 2,
+            needed: 9,
+            ..
+        }
     ));
     let mut q = [0.0; 24];
     q[7] = f64::NAN;

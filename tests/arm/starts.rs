@@ -239,10 +239,20 @@ fn invalid_starts_are_named() {
         }
         let starts = [[0.1; 7], [f64::NAN; 7]].concat();
         let error = arm.solve_batch(&[goal, goal], &starts).unwrap_err();
-        assert!(matches!(error, QueryError::StartNotFinite { query: 1, .. }));
+        assert!(matches!(
+            error,
+            QueryError::StartNotFinite { query: Some(1), .. }
+        ));
         let mut bent = goal;
         bent.rotation.x.x = 1.1;
         let error = arm.solve_batch(&[goal, bent], &[0.1; 14]).unwrap_err();
-        assert!(matches!(error, QueryError::Target { query: 1, .. }));
+        assert!(matches!(error, QueryError::Target { query: Some(1), .. }));
+        let mut broken = goal;
+        broken.translation.y = f64::NAN;
+        let message = arm.solve(broken, &[0.1; 7]).unwrap_err().to_string();
+        assert!(
+            message.starts_with("target: the entry in row 1, column 3"),
+            "{message}"
+        );
     }
 }

@@ -386,3 +386,9 @@ fn interrupted_search_reports_limits_so_far() {
         }
     }
 }
+
+#[test]
+fn unsolved_solution_says_so() {
+    let text = kinopt::Solution::default().explain();
+    assert_eq!(text, "No query was solved yet.");
+}

@@ -51,7 +51,7 @@ fn calibrated_robot_has_the_measured_poses() {
         let (file, out) = (folder.file("measured.csv"), folder.file("calibrated.urdf"));
         std::fs::write(&file, rows).unwrap();
         let report = answer!(
-            "calibrate {robot} {file} --base base --tip flange --parameters positions --out {out}"
+            "calibrate {robot} {file} --base base --tip flange --parameters link_positions --out {out}"
         );
         assert!(number(&report["position_rms_before"]) > 1e-3);
         assert!(number(&report["position_rms"]) < 1e-5);

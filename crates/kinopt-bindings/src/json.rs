@@ -42,7 +42,8 @@ fn expected(what: &str, value: &Json, content: &str) -> JsonError {
     )
 }
 
-/// Placements are four rows of four numbers, rotations three of three, masses a number or `[mass, [x, y, z]]`.
+/// Placements are four rows of four numbers, rotations three of three, masses a number or `[mass, [x, y, z]]`. Infinite
+/// numbers are "inf" and "-inf".
 impl Value for Json {
     type Error = JsonError;
 
@@ -80,7 +81,11 @@ impl Value for Json {
     }
 
     fn as_number(&self) -> Option<f64> {
-        self.as_f64()
+        match self.as_str() {
+            Some("inf") => Some(f64::INFINITY),
+            Some("-inf") => Some(f64::NEG_INFINITY),
+            _ => self.as_f64(),
+        }
     }
 
     fn is_map(&self) -> bool {
@@ -88,8 +93,7 @@ impl Value for Json {
     }
 
     fn number(&self, what: &str) -> Result<f64, JsonError> {
-        self.as_f64()
-            .ok_or_else(|| expected(what, self, "a number"))
+        Value::as_number(self).ok_or_else(|| expected(what, self, "a number"))
     }
 
     fn whole(&self, what: &str, max: u64) -> Result<u64, JsonError> {

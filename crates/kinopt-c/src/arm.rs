@@ -31,6 +31,17 @@ impl KinoptArm {
     }
 }
 
+/// Options of an arm that are arguments of functions here, or missing.
+const ELSEWHERE: [(&str, &str); 4] = [
+    ("world", "pass it to kinopt_arm_new_in_world"),
+    ("margin", "pass it to kinopt_arm_new_in_world"),
+    ("collision_model", "pass it to kinopt_arm_new_in_world"),
+    (
+        "srdf",
+        "the C interface has no SRDF; pass a start to each query",
+    ),
+];
+
 unsafe fn built(
     robot: *const KinoptRobot,
     base: *const c_char,
@@ -45,12 +56,19 @@ unsafe fn built(
             &pointer::object(robot, "robot")?.inner,
             pointer::optional_text(base, "base")?,
             pointer::text(tip, "tip")?,
-            settings(text, "option of an arm", &known)?,
+            settings(text, "option of an arm", &known, &ELSEWHERE)?,
         )
     };
     let base = base.map_or(Base::World, Base::from);
     let builder = Arm::builder(&**robot, base, tip);
     let builder = apply(builder, &settings, robot.model()).map_err(of_json)?;
+    if settings.contains_key("held") && !settings.contains_key("only") {
+        return Err(Failure::invalid(
+            "`held` needs `only`: it is the configuration of the joints that `only` omits; positions of joints outside \
+             the arm are the argument `held` of kinopt_arm_new_in_world"
+                .to_owned(),
+        ));
+    }
     Ok(builder.build()?)
 }
 

@@ -95,6 +95,16 @@ pub(crate) unsafe fn array<'a, T>(
     Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
 }
 
+/// Groups of `N` values, one after another; null is allowed for none.
+pub(crate) unsafe fn groups<'a, T, const N: usize>(
+    pointer: *const T,
+    count: usize,
+    name: &str,
+) -> Result<&'a [[T; N]], Failure> {
+    // SAFETY: as for `array`; an array is aligned as its elements.
+    unsafe { array(pointer.cast(), count, name) }
+}
+
 /// An array, or null for none.
 pub(crate) unsafe fn optional_array<'a, T>(
     pointer: *const T,

@@ -45,13 +45,11 @@ pub unsafe extern "C" fn kinopt_problem_new(
     guard(|| unsafe {
         let robot = &pointer::object(robot, "robot")?.inner;
         let known = [kinopt_bindings::problem::OPTIONS, parameters::OPTIONS].concat();
-        let settings = self::settings(settings, "option of a problem", &known)?;
-        let tasks = serde_json::from_str(pointer::text(tasks, "tasks")?)?;
-        let Json::Array(tasks) = tasks else {
-            return Err(Failure::invalid(
-                "`tasks` is not a JSON list of tasks".to_owned(),
-            ));
-        };
+        let settings = self::settings(settings, "option of a problem", &known, &[])?;
+        let tasks: Vec<Json> =
+            serde_json::from_str(pointer::text(tasks, "tasks")?).map_err(|error| {
+                Failure::invalid(format!("`tasks` is no JSON list of tasks: {error}"))
+            })?;
         let model = pointer::optional_object(collision_model, "collision_model")?;
         let world = pointer::optional_object(world, "world")?;
         let checker = match (model, world) {
@@ -96,7 +94,7 @@ fn read(task: Json) -> Result<(&'static str, Map<String, Json>), JsonError> {
         return Err(UnknownName::new("kind of task", &given, kinds)).or_raise::<Json>();
     };
     let known = [&COMMON_OPTIONS[..], options].concat();
-    check_names(&arguments, "option of a task", &known).or_raise::<Json>()?;
+    check_names(&arguments, "option of a task", &known)?;
     Ok((kind, arguments))
 }
 

@@ -33,7 +33,7 @@ impl KinoptRobot {
 unsafe fn options_of(text: *const c_char) -> Result<RobotOptions, Failure> {
     let known = names(&options());
     // SAFETY: by the contract of the caller.
-    let settings = unsafe { settings(text, "option of a robot", &known) }?;
+    let settings = unsafe { settings(text, "option of a robot", &known, &[]) }?;
     RobotOptions::of(&settings).map_err(of_json)
 }
 

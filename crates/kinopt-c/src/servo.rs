@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use kinopt::Arm;
 use kinopt::arm::{Servo, ServoStatus, ServoStep};
+use kinopt_bindings::names::held_by;
 use kinopt_bindings::option::names;
 use kinopt_bindings::option::servo::{ServoOptions, options};
 use self_cell::self_cell;
@@ -14,6 +15,7 @@ use crate::arm::KinoptArm;
 use crate::error::{Failure, KinoptStatus, guard, of_json};
 use crate::pointer;
 use crate::settings::settings;
+use crate::solution::write_collision;
 
 self_cell!(
     /// A servo and its arm.
@@ -104,7 +106,7 @@ pub unsafe extern "C" fn kinopt_servo_new(
     guard(|| unsafe {
         let arm = Arc::clone(&pointer::object(arm, "arm")?.inner);
         let start = pointer::array(start, start_length, "start")?;
-        let settings = self::settings(settings, "option of a servo", &names(&options()))?;
+        let settings = self::settings(settings, "option of a servo", &names(&options()), &[])?;
         let options = ServoOptions::of(&settings, &arm).map_err(of_json)?;
         let cell = Cell::try_new(arm, |arm| {
             let servo = arm.servo(start, time_step)?;
@@ -173,6 +175,56 @@ unsafe fn cycle(
             }
         })
     }
+}
+
+/// Writes the limit that determined a joint's motion in the last cycle, such as "upper limit", "speed down" or
+/// "acceleration up"; an empty text for none.
+///
+/// `joint` counts from base to tip. A text that is longer than the buffer is shortened. Its whole length without the final
+/// zero byte is written to `length`, unless that is null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_servo_held_by(
+    servo: *const KinoptServo,
+    joint: usize,
+    buffer: *mut c_char,
+    size: usize,
+    length: *mut usize,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let held = pointer::object(servo, "servo")?
+            .cell
+            .borrow_dependent()
+            .held();
+        let count = held.len();
+        let held = held.get(joint).ok_or_else(|| {
+            Failure::invalid(format!("`joint` is {joint}, the servo has {count} joints"))
+        })?;
+        pointer::write_text(held.map_or("", held_by), buffer, size, length)
+    })
+}
+
+/// Number of pairs that blocked the motion of the last cycle, or that are in contact; 0 for null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_servo_collision_count(servo: *const KinoptServo) -> usize {
+    let servo = unsafe { pointer::object(servo, "servo") };
+    servo.map_or(0, |servo| servo.cell.borrow_dependent().collisions().len())
+}
+
+/// Writes a pair that blocked the motion of the last cycle, or that is in contact, the deepest first: as
+/// `kinopt_solution_collision`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_servo_collision(
+    servo: *const KinoptServo,
+    index: usize,
+    first: *mut c_char,
+    second: *mut c_char,
+    size: usize,
+    distance: *mut f64,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let servo = pointer::object(servo, "servo")?.cell.borrow_dependent();
+        write_collision(servo.collisions(), index, first, second, size, distance)
+    })
 }
 
 /// Writes the commanded velocities and accelerations of the last cycle; null for those that are not needed.

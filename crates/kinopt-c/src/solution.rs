@@ -3,6 +3,7 @@
 use std::ffi::c_char;
 
 use kinopt::Solution;
+use kinopt::ik::Collision;
 
 use crate::error::{Failure, KinoptStatus, guard};
 use crate::pointer;
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn kinopt_solution_collision_count(solution: *const Kinopt
 }
 
 /// Writes the distance of a pair in metres, negative for penetration, and the names of its parts: each to a buffer of `size`
-/// bytes, shortened if the buffer is too small.
+/// bytes, shortened if the buffer is too small. Links and obstacles have the names of the robot and the world.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_solution_collision(
     solution: *const KinoptSolution,
@@ -122,14 +123,27 @@ pub unsafe extern "C" fn kinopt_solution_collision(
 ) -> KinoptStatus {
     guard(|| unsafe {
         let collisions = pointer::object(solution, "solution")?.inner.collisions();
-        let count = collisions.len();
-        let collision = collisions.get(index).ok_or_else(|| {
-            Failure::invalid(format!(
-                "`index` is {index}, the solution has {count} collisions"
-            ))
-        })?;
+        write_collision(collisions, index, first, second, size, distance)
+    })
+}
+
+/// Writes names and distance of a pair.
+pub(crate) unsafe fn write_collision(
+    collisions: &[Collision],
+    index: usize,
+    first: *mut c_char,
+    second: *mut c_char,
+    size: usize,
+    distance: *mut f64,
+) -> Result<(), Failure> {
+    let count = collisions.len();
+    let collision = collisions.get(index).ok_or_else(|| {
+        Failure::invalid(format!("`index` is {index}, there are {count} collisions"))
+    })?;
+    // SAFETY: by the contract of the caller.
+    unsafe {
         pointer::write_text(&collision.first, first, size, std::ptr::null_mut())?;
         pointer::write_text(&collision.second, second, size, std::ptr::null_mut())?;
         pointer::write(distance, collision.distance, "distance")
-    })
+    }
 }

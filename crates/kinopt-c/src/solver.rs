@@ -32,7 +32,7 @@ pub unsafe extern "C" fn kinopt_solver_new(
     solver: *mut *mut KinoptSolver,
 ) -> KinoptStatus {
     guard(|| unsafe {
-        let settings = self::settings(settings, "option of a solver", &names(&options()))?;
+        let settings = self::settings(settings, "option of a solver", &names(&options()), &[])?;
         let mut options = SolverOptions::of(&settings).map_err(of_json)?;
         if let Some(patience) = settings.get("patience") {
             let steps = patience

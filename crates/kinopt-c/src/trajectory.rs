@@ -1,12 +1,17 @@
 //! Trajectories: time-optimal motion along a joint path.
 
+use std::ffi::c_char;
+
 use kinopt::motion::Trajectory;
 use kinopt::motion::path::{TimedSpline, TimingLimits, TrajectoryPoint};
+use kinopt_bindings::option::trajectory::options;
+use kinopt_bindings::option::{apply, names};
 
 use crate::arm::KinoptArm;
-use crate::error::{KinoptStatus, guard};
+use crate::error::{KinoptStatus, guard, of_json};
 use crate::path::KinoptJointPath;
 use crate::pointer;
+use crate::settings::settings;
 
 /// Trajectory along a joint path. One thread uses it at a time.
 pub struct KinoptTrajectory {
@@ -18,6 +23,10 @@ pub struct KinoptTrajectory {
 ///
 /// Limits have one number for each joint, infinite for none: velocities (rad/s or m/s), accelerations and jerks. Null is the
 /// limits of the robot's files; of jerks it is none.
+///
+/// A path with missed points or blocked steps is an error, unless the setting `allow_unreached` is true. Other settings are
+/// `corner_tolerance`, the largest distance of a joint from the path at a blended corner (radians or metres), and `grid_points`
+/// of the speed profile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_joint_path_trajectory(
     path: *const KinoptJointPath,
@@ -26,6 +35,7 @@ pub unsafe extern "C" fn kinopt_joint_path_trajectory(
     acceleration_limits: *const f64,
     jerk_limits: *const f64,
     limit_count: usize,
+    settings: *const c_char,
     trajectory: *mut *mut KinoptTrajectory,
 ) -> KinoptStatus {
     guard(|| unsafe {
@@ -41,6 +51,9 @@ pub unsafe extern "C" fn kinopt_joint_path_trajectory(
         if let Some(jerks) = array(jerk_limits, "jerk_limits")? {
             limits = limits.with_jerk_limits(jerks);
         }
+        let options = options();
+        let settings = self::settings(settings, "option of a trajectory", &names(&options), &[])?;
+        let limits = apply(&settings, &options, limits).map_err(of_json)?;
         let inner = path.trajectory(&limits)?;
         let point = TrajectoryPoint::default();
         pointer::give(trajectory, KinoptTrajectory { inner, point }, "trajectory")

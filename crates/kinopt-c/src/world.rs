@@ -3,6 +3,7 @@
 use std::ffi::c_char;
 
 use kinopt::collision::{Checker, World};
+use kinopt::spatial::{Placement, Vector3};
 
 use crate::error::{Failure, KinoptStatus, guard};
 use crate::pointer;
@@ -145,6 +146,69 @@ pub unsafe extern "C" fn kinopt_world_add_plane(
     })
 }
 
+/// Adds a triangle mesh: `vertices` are x, y, z one after another, metres; `triangles` are three indices of vertices each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_world_add_mesh(
+    world: *mut KinoptWorld,
+    name: *const c_char,
+    vertices: *const f64,
+    vertex_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+    pose: *const f64,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let vertices = positions(vertices, vertex_count, "vertices")?;
+        let triangles = pointer::groups::<u32, 3>(triangles, triangle_count, "triangles")?;
+        let (world, name, pose) = added(world, name, pose)?;
+        Ok(world.add_mesh(name, vertices, triangles.to_vec(), pose)?)
+    })
+}
+
+/// Adds spheres of one radius about points: `positions` are x, y, z one after another, metres.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_world_add_points(
+    world: *mut KinoptWorld,
+    name: *const c_char,
+    positions: *const f64,
+    position_count: usize,
+    radius: f64,
+    pose: *const f64,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let positions = self::positions(positions, position_count, "positions")?;
+        let (world, name, pose) = added(world, name, pose)?;
+        Ok(world.add_points(name, positions, radius, pose)?)
+    })
+}
+
+/// Attaches an obstacle to a frame of the robot, such as a grasped object to the tool. `pose` is its placement in the frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_world_attach(
+    world: *mut KinoptWorld,
+    name: *const c_char,
+    frame: *const c_char,
+    pose: *const f64,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let (world, name, pose) = added(world, name, pose)?;
+        Ok(world.attach(name, pointer::text(frame, "frame")?, pose)?)
+    })
+}
+
+/// Detaches an obstacle from its frame; `pose` is its placement in the world.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn kinopt_world_detach(
+    world: *mut KinoptWorld,
+    name: *const c_char,
+    pose: *const f64,
+) -> KinoptStatus {
+    guard(|| unsafe {
+        let (world, name, pose) = added(world, name, pose)?;
+        Ok(world.detach(name, pose)?)
+    })
+}
+
 /// Moves an obstacle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn kinopt_world_move(
@@ -183,7 +247,17 @@ pub unsafe extern "C" fn kinopt_world_allow_collision(
     })
 }
 
-type Added<'a> = (&'a mut World, &'a str, kinopt::spatial::Placement<f64>);
+unsafe fn positions(
+    numbers: *const f64,
+    count: usize,
+    name: &str,
+) -> Result<Vec<Vector3<f64>>, Failure> {
+    // SAFETY: by the contract of the caller.
+    let positions = unsafe { pointer::groups::<f64, 3>(numbers, count, name) }?;
+    Ok(positions.iter().copied().map(Vector3::from).collect())
+}
+
+type Added<'a> = (&'a mut World, &'a str, Placement<f64>);
 
 unsafe fn added<'a>(
     world: *mut KinoptWorld,

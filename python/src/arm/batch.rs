@@ -218,12 +218,12 @@ fn counted_from(first: usize, error: QueryError) -> QueryError {
             joint,
             value,
         } => QueryError::StartNotFinite {
-            query: first + query,
+            query: query.map(|query| first + query),
             joint,
             value,
         },
         QueryError::Target { query, problem } => QueryError::Target {
-            query: first + query,
+            query: query.map(|query| first + query),
             problem,
         },
         other => other,

@@ -50,8 +50,9 @@ bool KinematicsInterfaceKinopt::initialize(
         kinopt::Robot::parse(description, "robot_description", kinopt::Settings().set("lenient", true));
     // An empty base is the world, which is the root link.
     const std::string base_name = base ? base->as_string() : "", tip_name = tip->as_string();
-    joint_count_ = static_cast<Eigen::Index>(
-        kinopt::Arm(robot, base_name, tip_name, kinopt::Settings().set("atlas", false)).joint_count());
+    const std::vector<std::string> joints =
+        kinopt::Arm(robot, base_name, tip_name, kinopt::Settings().set("atlas", false)).joint_names();
+    joint_count_ = static_cast<Eigen::Index>(joints.size());
     if (alpha_ == 0.0 && joint_count_ < 6) {
       throw std::invalid_argument("`alpha` must be above 0 for a chain of fewer than 6 joints");
     }
@@ -61,6 +62,10 @@ bool KinematicsInterfaceKinopt::initialize(
       } catch (const kinopt::Error &) { // Not in the chain.
       }
     }
+    std::string names;
+    for (const std::string &name : joints) names += " " + name;
+    RCLCPP_INFO(logger(), "kinopt %s has the chain from '%s' to '%s', joints:%s", kinopt_version(),
+                base_name.empty() ? "the root link" : base_name.c_str(), tip_name.c_str(), names.c_str());
   } catch (const std::exception &error) { // Of kinopt, or a parameter of another type.
     links_.clear();
     RCLCPP_ERROR(logger(), "%s", error.what());

@@ -115,7 +115,12 @@ bool KinoptKinematicsPlugin::initialize(const rclcpp::Node::SharedPtr &node,
   }
   try {
     parameters_ = read_parameters(group_name);
-    return build(*group_);
+    if (!build(*group_)) return false;
+    std::string joints;
+    for (const std::string &name : joint_names_) joints += " " + name;
+    RCLCPP_INFO(logger(), "kinopt %s solves group '%s' from '%s' to '%s', joints:%s", kinopt_version(),
+                group_name.c_str(), base_frame_.c_str(), tip_frames_[0].c_str(), joints.c_str());
+    return true;
   } catch (const std::exception &error) { // Of kinopt, or a parameter of another type.
     arms_.reset();
     RCLCPP_ERROR(logger(), "Group '%s': %s", group_name.c_str(), error.what());

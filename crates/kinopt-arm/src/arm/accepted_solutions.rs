@@ -41,7 +41,7 @@ impl Arm {
     ) -> Result<bool, QueryError> {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
+        self.check_query(None, &target, start)?;
         let query = Query::new(self, &target, start);
         solve_query(self, &query, solution)?;
         if !solution.reached {

@@ -387,7 +387,7 @@ impl Arm {
 
     pub(super) fn check_query(
         &self,
-        query: usize,
+        query: Option<usize>,
         target: &Placement<f64>,
         start: &[f64],
     ) -> Result<(), QueryError> {

@@ -168,7 +168,7 @@ fn check_batch(arm: &Arm, targets: &[Placement<f64>], starts: &[f64]) -> Result<
     let n = arm.joint_count();
     arm.check_length("starts", starts.len(), n * targets.len())?;
     for (query, (target, start)) in targets.iter().zip(starts.chunks(n)).enumerate() {
-        arm.check_query(query, target, start)?;
+        arm.check_query(Some(query), target, start)?;
     }
     Ok(())
 }

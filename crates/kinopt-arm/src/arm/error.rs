@@ -122,20 +122,20 @@ pub enum QueryError {
         joints: usize,
     },
     /// A start is NaN or infinite. A start outside the limits is valid.
-    #[error("the start of query {query}: joint `{joint}` is {value}, which is not finite")]
+    #[error("{}: joint `{joint}` is {value}, which is not finite", start_of(*query))]
     StartNotFinite {
-        /// Index of the query in the batch, 0 for a single one.
-        query: usize,
+        /// Index of the query in the batch or path; `None` for a single query.
+        query: Option<usize>,
         /// Name of the joint.
         joint: String,
         /// Value of the joint.
         value: f64,
     },
     /// A target is not finite or not a rigid motion to 1e-6.
-    #[error("target {query}: {problem}")]
+    #[error("{}: {problem}", target_of(*query))]
     Target {
-        /// Index of the query in the batch, 0 for a single one.
-        query: usize,
+        /// Index of the query in the batch or path; `None` for a single query.
+        query: Option<usize>,
         /// Defect of the placement.
         problem: RigidDefect,
     },
@@ -205,4 +205,16 @@ pub enum QueryError {
     /// The chain could not be compiled again. It could when the arm was built.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
+}
+
+/// The start of a query in messages.
+fn start_of(query: Option<usize>) -> String {
+    query.map_or("the start".to_owned(), |index| {
+        format!("the start of query {index}")
+    })
+}
+
+/// The target of a query in messages.
+fn target_of(query: Option<usize>) -> String {
+    query.map_or("target".to_owned(), |index| format!("target {index}"))
 }

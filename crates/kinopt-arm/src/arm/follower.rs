@@ -89,7 +89,7 @@ impl Follower<'_> {
     ) -> Result<Option<JointJump>, QueryError> {
         let target = base_from_tool.into();
         let arm = self.arm;
-        arm.check_query(self.steps, &target, &self.q)?;
+        arm.check_query(Some(self.steps), &target, &self.q)?;
         if self.is_outside() {
             self.return_to_limits(&target, solution)?;
             return Ok(self.record_step(&target, solution, true));

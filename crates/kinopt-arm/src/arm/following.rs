@@ -33,7 +33,7 @@ impl Arm {
     ) -> Result<JointPath<Vec<Solution>>, QueryError> {
         let mut follower = self.follower(start)?;
         for (query, target) in base_from_tools.iter().enumerate() {
-            self.check_query(query, target, start)?;
+            self.check_query(Some(query), target, start)?;
         }
         let path = follow(self, &mut follower, base_from_tools)?;
         #[cfg(feature = "collision")]
@@ -59,7 +59,7 @@ impl Arm {
     /// Returns an error for a start of the wrong length or not finite.
     pub fn follower(&self, start: &[f64]) -> Result<Follower<'_>, QueryError> {
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &Placement::identity(), start)?;
+        self.check_query(None, &Placement::identity(), start)?;
         Ok(Follower::new(self, start))
     }
 
@@ -87,7 +87,7 @@ impl Arm {
     /// Returns an error for a start of the wrong length or not finite, or a time step that is not above 0 and at most 1 s.
     pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &Placement::identity(), start)?;
+        self.check_query(None, &Placement::identity(), start)?;
         Servo::new(self, start, time_step)
     }
 }

@@ -45,7 +45,7 @@ impl Arm {
     ) -> Result<(), QueryError> {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
+        self.check_query(None, &target, start)?;
         solve_query(self, &Query::new(self, &target, start), solution)?;
         Ok(())
     }
@@ -147,7 +147,7 @@ impl Arm {
     ) -> Result<ArmDerivative, QueryError> {
         let target = base_from_tool.into();
         self.check_length("q", q.len(), self.joint_count())?;
-        self.check_query(0, &target, q)?;
+        self.check_query(None, &target, q)?;
         derivative(self, &target, q)
     }
 }

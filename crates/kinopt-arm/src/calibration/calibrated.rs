@@ -31,7 +31,8 @@ pub struct ParameterEstimate {
     pub value: f64,
     /// Standard deviation of the value by the noise and the prior, metres or radians.
     pub standard_deviation: f64,
-    /// False if the value is that of the prior: the measurements do not determine the parameter alone.
+    /// False if the measurements do not determine the parameter alone: the prior decides about its value, or about that of a
+    /// parameter that it sums with, such as the rotation of the base and the offset of the first joint.
     pub is_determined: bool,
 }
 

@@ -6,11 +6,11 @@ use kinopt_solver::solver::{
 };
 use nalgebra::DMatrix;
 
-use super::Calibration;
 use super::calibrated::{Calibrated, Correction, ParameterEstimate, Rms};
 use super::measurements::{Measurements, Noise};
 use super::parameters::{Displacement, parameters};
 use super::residuals::Residuals;
+use super::{Calibration, CalibrationError};
 
 /// Number of estimates of noise and weights.
 const ROUNDS: usize = 12;
@@ -28,14 +28,17 @@ const MEDIAN_RATIO: f64 = 1.4826;
 const HALF_WEIGHT: [f64; 2] = [2.80, 3.55];
 /// Distances of points and of poses beyond which a measurement is an outlier: the 99.99 % quantiles.
 const OUTLIER: [f64; 2] = [4.59, 5.27];
-/// Ratio of a parameter's standard deviation to its prior above which it counts as not determined.
+/// Ratio of a parameter's standard deviation to the prior of its unit above which it counts as not determined. A parameter of
+/// the base has no prior; its standard deviation is that of the joint that it sums with.
 const UNDETERMINED: f64 = 0.5;
+/// Ratio of the residual to the expected deviation above which the measurements are not those of the model.
+const IMPLAUSIBLE: f64 = 10.0;
 
 pub(super) fn estimate(
     calibration: &Calibration,
     configurations: &[f64],
     measured: Measurements<'_>,
-) -> Calibrated {
+) -> Result<Calibrated, CalibrationError> {
     let has_rotations = measured.has_rotations();
     let parameters = parameters(&calibration.chain, &calibration.parameters, has_rotations);
     let count = parameters.len();
@@ -81,7 +84,27 @@ pub(super) fn estimate(
     let outliers = distances(&residuals, &x).into_iter().enumerate();
     let outliers = outliers.filter(|(_, distance)| *distance > largest);
     let outliers = outliers.map(|(index, _)| index).collect();
-    finished(&mut residuals, &x, before, outliers)
+    check_residual(calibration, noise(&residuals, &x))?;
+    Ok(finished(&mut residuals, &x, before, outliers))
+}
+
+/// Checks the residual of the fit, by its median, against the expected deviation of the arm from its model.
+fn check_residual(calibration: &Calibration, residual: Noise) -> Result<(), CalibrationError> {
+    let Calibration { prior, noise, .. } = calibration;
+    let of_noise = noise.unwrap_or(Noise {
+        position: 0.0,
+        angle: 0.0,
+    });
+    let position = prior.position.max(of_noise.position);
+    let angle = prior.angle.max(of_noise.angle);
+    if residual.position <= IMPLAUSIBLE * position && residual.angle <= IMPLAUSIBLE * angle {
+        return Ok(());
+    }
+    Err(CalibrationError::NoFit {
+        residual,
+        position,
+        angle,
+    })
 }
 
 /// The model's parameters with the placement of the base that aligns the model's positions with the measured ones: the
@@ -200,7 +223,7 @@ fn finished(
                 value: x[k],
                 standard_deviation,
                 is_determined: standard_deviation
-                    < UNDETERMINED * parameter.prior(&calibration.prior),
+                    < UNDETERMINED * parameter.scale(&calibration.prior),
             }
         });
     let estimates = estimates.collect();

@@ -45,6 +45,9 @@ pub use parameters::{ParameterSet, Prior};
 
 use chain::Chain;
 
+/// Smallest number of measurements.
+const MIN_MEASUREMENTS: usize = 3;
+
 /// Error of a calibration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -87,10 +90,31 @@ pub enum CalibrationError {
         names: String,
     },
     /// Too few measurements.
-    #[error("{measurements} measurements are too few: expected at least 3")]
+    #[error(
+        "{measurements} measurements are too few for {parameters} parameters: expected at least {needed}, better 30 or more"
+    )]
     TooFew {
         /// Number of measurements.
         measurements: usize,
+        /// Number of estimated parameters.
+        parameters: usize,
+        /// Smallest number of measurements.
+        needed: usize,
+    },
+    /// The calibrated model does not explain the measurements.
+    #[error(
+        "the measurements do not fit: half of them are more than {:.2e} m or {:.2e} rad off after the calibration, while \
+         deviations of {position} m and {angle} rad are expected; check the units (metres, radians), the order of the joints, \
+         base and tip",
+        residual.position, residual.angle
+    )]
+    NoFit {
+        /// Residual of the fit, by its median.
+        residual: Noise,
+        /// Expected deviation by the prior and the noise, metres.
+        position: f64,
+        /// Expected deviation by the prior and the noise, radians.
+        angle: f64,
     },
     /// A measurement or configuration that is not finite, or a pose that is no rigid motion.
     #[error("measurement {index}: {problem}")]
@@ -173,15 +197,16 @@ impl Calibration {
     /// measurement is in the frame of the measuring device, which may differ from the base if [`ParameterSet::base`] is on.
     ///
     /// # Errors
-    /// Returns an error for numbers that do not match or are not finite, poses that are no rigid motions, less than three
-    /// measurements, and options out of range.
+    /// Returns an error for numbers that do not match or are not finite, poses that are no rigid motions, and options out of
+    /// range. Returns an error for less than three measurements, or fewer numbers than parameters if the noise is estimated.
+    /// Returns an error if the residual is above ten times the prior and the noise, as for joint positions in degrees.
     pub fn fit(
         &self,
         configurations: &[f64],
         measured: Measurements<'_>,
     ) -> Result<Calibrated, CalibrationError> {
         self.check(configurations, measured)?;
-        Ok(estimate::estimate(self, configurations, measured))
+        estimate::estimate(self, configurations, measured)
     }
 
     fn check(
@@ -212,18 +237,29 @@ impl Calibration {
                 names: self.joints().collect::<Vec<_>>().join(", "),
             });
         }
-        if measurements < 3 {
-            return Err(CalibrationError::TooFew { measurements });
-        }
         for (index, q) in configurations.chunks_exact(joints.max(1)).enumerate() {
             if q.iter().any(|value| !value.is_finite()) {
                 let problem = "the configuration is not finite";
                 return Err(CalibrationError::Measurement { index, problem });
             }
         }
-        match measured.first_defect() {
-            Some((index, problem)) => Err(CalibrationError::Measurement { index, problem }),
-            None => Ok(()),
+        if let Some((index, problem)) = measured.first_defect() {
+            return Err(CalibrationError::Measurement { index, problem });
+        }
+        let has_rotations = measured.has_rotations();
+        let parameters = parameters::parameters(&self.chain, &self.parameters, has_rotations).len();
+        let needed = match self.noise {
+            Some(_) => MIN_MEASUREMENTS,
+            // One number more than parameters, for the noise.
+            None => MIN_MEASUREMENTS.max(parameters / measured.rows() + 1),
+        };
+        match measurements < needed {
+            true => Err(CalibrationError::TooFew {
+                measurements,
+                parameters,
+                needed,
+            }),
+            false => Ok(()),
         }
     }
 }

@@ -100,10 +100,17 @@ pub(super) struct Parameter {
 impl Parameter {
     /// Standard deviation of the prior; infinite for none.
     pub(super) fn prior(&self, prior: &Prior) -> f64 {
-        match (self.place, self.direction) {
-            (Place::Base, _) => f64::INFINITY,
-            (_, Direction::Translation(_)) => prior.position,
-            (_, Direction::Rotation(_)) => prior.angle,
+        match self.place {
+            Place::Base => f64::INFINITY,
+            _ => self.scale(prior),
+        }
+    }
+
+    /// Expected deviation of a parameter of this unit, also for one without a prior.
+    pub(super) fn scale(&self, prior: &Prior) -> f64 {
+        match self.direction {
+            Direction::Translation(_) => prior.position,
+            Direction::Rotation(_) => prior.angle,
         }
     }
 

@@ -114,8 +114,9 @@ pub enum PathError {
     },
     /// Rows are not reached, or their steps are not proven collision-free.
     #[error(
-        "{count} of {rows} rows are not reached or not proven collision-free, the first is row {first}: change the \
-         path, or allow them by `allow_unreached`; the report of the path has the reasons"
+        "{count} of {rows} rows are not reached, or the step to them is not proven collision-free, the first is row \
+         {first}: change the path, or allow them by `allow_unreached`; missed points and blocked steps of the path have \
+         the reasons"
     )]
     Unreached {
         /// Number of unreached rows.

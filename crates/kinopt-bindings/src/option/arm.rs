@@ -6,6 +6,7 @@ use kinopt::model::Limits;
 
 use super::{Joints, OptionSpec, Setter};
 use crate::names::{SEARCHES, named};
+use crate::per_joint::configuration_of;
 use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 
 /// Options that are objects of the interface, or belong to one.
@@ -186,6 +187,15 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 24] {
     ]
 }
 
+/// Reads a configuration of `model` for locked joints: a list, or positions by joint name.
+fn read_held<V: Value>(value: &V, model: &Model) -> Result<Vec<f64>, V::Error> {
+    let what = V::label("held");
+    if value.is_map() {
+        return configuration_of(value, &what, model, model.neutral());
+    }
+    value.vector(&what, model.configuration_len())
+}
+
 /// Applies all given options to the builder of an arm of `model`; objects of the interface are applied by the caller.
 ///
 /// # Errors
@@ -196,12 +206,12 @@ pub fn apply<'m, A: Arguments>(
     model: &Model,
 ) -> Result<ArmBuilder<'m>, ErrorOf<A>> {
     let mut builder = super::apply(arguments, &options(), builder)?;
+    // Read without `only` too: an invalid value is an error.
+    let held = arguments.get("held")?;
+    let held = held.map(|held| read_held(&held, model)).transpose()?;
     if let Some(only) = arguments.get("only")? {
         let joints = only.names("only")?;
-        builder = match arguments.get("held")? {
-            Some(held) => builder.with_only(&joints, &held.numbers("held")?),
-            None => builder.with_only(&joints, &model.neutral()),
-        };
+        builder = builder.with_only(&joints, &held.unwrap_or_else(|| model.neutral()));
     }
     let mut is_given = false;
     for option in &options() {

@@ -1,6 +1,7 @@
 //! Options by name, with type, range, default and documentation.
 //!
-//! An option is one row of a table: [`arm`], [`path`], [`retarget`], [`robot`], [`servo`], [`solver`]. Every interface
+//! An option is one row of a table: [`arm`], [`path`], [`retarget`], [`robot`], [`servo`], [`solver`],
+//! [`trajectory`]. Every interface
 //! accepts, reads and documents it by that row.
 
 pub mod arm;
@@ -9,6 +10,7 @@ pub mod retarget;
 pub mod robot;
 pub mod servo;
 pub mod solver;
+pub mod trajectory;
 
 use std::time::Duration;
 

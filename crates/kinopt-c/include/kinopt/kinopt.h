@@ -2,12 +2,13 @@
  * Generated from the Rust sources: do not edit.
  *
  * Units are metres, radians and seconds. Placements are sixteen numbers: a 4 x 4 matrix by columns, as in Eigen.
- * Settings are JSON objects with the library's options by name, or null for the defaults.
+ * Settings are JSON objects with the library's options by name, or null for the defaults. Infinite numbers are the texts
+ * "inf" and "-inf". An option that is unknown or given twice is an error.
  *
  * Functions return a status; kinopt_error_message() has the text of the last error of the calling thread.
  * A target that is not reached is no error.
  *
- * The caller frees every object by its _free function, in any order. Robots, arms, collision models, problems and joint
+ * The caller frees every object once by its _free function, in any order; null is ignored. Robots, arms, collision models, problems and joint
  * paths are immutable and shared between threads. Other objects are used by one thread at a time.
  *
  * No panic and no exception crosses this interface. A callback must not throw.
@@ -204,7 +205,7 @@ typedef struct {
 } KinoptJointJump;
 
 /**
- * A point that is not reached.
+ * A point that the tool does not reach, or reaches only in collision: see `kinopt_joint_path_missed_reason`.
  */
 typedef struct {
   /**
@@ -212,11 +213,11 @@ typedef struct {
    */
   size_t index;
   /**
-   * Error beyond the goal bounds, metres.
+   * Error beyond the goal bounds, metres. It is within the tolerance if the tool reaches the pose in collision.
    */
   double position_error;
   /**
-   * Error beyond the goal bounds, radians.
+   * Error beyond the goal bounds, radians. It is within the tolerance if the tool reaches the pose in collision.
    */
   double orientation_error;
 } KinoptMissedPoint;
@@ -484,16 +485,43 @@ KinoptStatus kinopt_joint_path_jump(const KinoptJointPath *path,
                                     KinoptJointJump *jump);
 
 /**
- * Number of points that are not reached; 0 for null.
+ * Number of points that are not reached, or only in collision; 0 for null.
  */
 size_t kinopt_joint_path_missed_count(const KinoptJointPath *path);
 
 /**
- * Writes a point that is not reached.
+ * Writes a point that is not reached, or only in collision.
  */
 KinoptStatus kinopt_joint_path_missed(const KinoptJointPath *path,
                                       size_t index,
                                       KinoptMissedPoint *missed);
+
+/**
+ * Reason why a point is not reached, such as "collision of link `hand` and obstacle `box`", valid as long as the path; null
+ * for an index out of range. `index` counts the missed points.
+ */
+const char *kinopt_joint_path_missed_reason(const KinoptJointPath *path,
+                                            size_t index);
+
+/**
+ * Number of steps between rows that are not proven collision-free; 0 for null.
+ *
+ * `kinopt_joint_path_trajectory` counts the rows of missed points and the rows after these steps, each row once.
+ */
+size_t kinopt_joint_path_blocked_count(const KinoptJointPath *path);
+
+/**
+ * Writes the index of the row after a step that is not proven collision-free; 0 for the step that closes a cyclic path.
+ */
+KinoptStatus kinopt_joint_path_blocked(const KinoptJointPath *path,
+                                       size_t index,
+                                       size_t *row);
+
+/**
+ * Colliding pair of a step that is not proven collision-free, valid as long as the path; null for an index out of range.
+ */
+const char *kinopt_joint_path_blocked_pair(const KinoptJointPath *path,
+                                           size_t index);
 
 /**
  * Creates a problem from a JSON list of tasks.
@@ -616,6 +644,35 @@ KinoptStatus kinopt_servo_stop(KinoptServo *servo,
                                KinoptServoStep *step);
 
 /**
+ * Writes the limit that determined a joint's motion in the last cycle, such as "upper limit", "speed down" or
+ * "acceleration up"; an empty text for none.
+ *
+ * `joint` counts from base to tip. A text that is longer than the buffer is shortened. Its whole length without the final
+ * zero byte is written to `length`, unless that is null.
+ */
+KinoptStatus kinopt_servo_held_by(const KinoptServo *servo,
+                                  size_t joint,
+                                  char *buffer,
+                                  size_t size,
+                                  size_t *length);
+
+/**
+ * Number of pairs that blocked the motion of the last cycle, or that are in contact; 0 for null.
+ */
+size_t kinopt_servo_collision_count(const KinoptServo *servo);
+
+/**
+ * Writes a pair that blocked the motion of the last cycle, or that is in contact, the deepest first: as
+ * `kinopt_solution_collision`.
+ */
+KinoptStatus kinopt_servo_collision(const KinoptServo *servo,
+                                    size_t index,
+                                    char *first,
+                                    char *second,
+                                    size_t size,
+                                    double *distance);
+
+/**
  * Writes the commanded velocities and accelerations of the last cycle; null for those that are not needed.
  */
 KinoptStatus kinopt_servo_motion(const KinoptServo *servo,
@@ -677,7 +734,7 @@ size_t kinopt_solution_collision_count(const KinoptSolution *solution);
 
 /**
  * Writes the distance of a pair in metres, negative for penetration, and the names of its parts: each to a buffer of `size`
- * bytes, shortened if the buffer is too small.
+ * bytes, shortened if the buffer is too small. Links and obstacles have the names of the robot and the world.
  */
 KinoptStatus kinopt_solution_collision(const KinoptSolution *solution,
                                        size_t index,
@@ -744,6 +801,10 @@ KinoptStatus kinopt_targets_set_numbers(KinoptTargets *targets,
  *
  * Limits have one number for each joint, infinite for none: velocities (rad/s or m/s), accelerations and jerks. Null is the
  * limits of the robot's files; of jerks it is none.
+ *
+ * A path with missed points or blocked steps is an error, unless the setting `allow_unreached` is true. Other settings are
+ * `corner_tolerance`, the largest distance of a joint from the path at a blended corner (radians or metres), and `grid_points`
+ * of the speed profile.
  */
 KinoptStatus kinopt_joint_path_trajectory(const KinoptJointPath *path,
                                           const KinoptArm *arm,
@@ -751,6 +812,7 @@ KinoptStatus kinopt_joint_path_trajectory(const KinoptJointPath *path,
                                           const double *acceleration_limits,
                                           const double *jerk_limits,
                                           size_t limit_count,
+                                          const char *settings,
                                           KinoptTrajectory **trajectory);
 
 /**
@@ -846,6 +908,40 @@ KinoptStatus kinopt_world_add_capsule(KinoptWorld *world,
  * Adds the half-space below z = 0 of the pose.
  */
 KinoptStatus kinopt_world_add_plane(KinoptWorld *world, const char *name, const double *pose);
+
+/**
+ * Adds a triangle mesh: `vertices` are x, y, z one after another, metres; `triangles` are three indices of vertices each.
+ */
+KinoptStatus kinopt_world_add_mesh(KinoptWorld *world,
+                                   const char *name,
+                                   const double *vertices,
+                                   size_t vertex_count,
+                                   const uint32_t *triangles,
+                                   size_t triangle_count,
+                                   const double *pose);
+
+/**
+ * Adds spheres of one radius about points: `positions` are x, y, z one after another, metres.
+ */
+KinoptStatus kinopt_world_add_points(KinoptWorld *world,
+                                     const char *name,
+                                     const double *positions,
+                                     size_t position_count,
+                                     double radius,
+                                     const double *pose);
+
+/**
+ * Attaches an obstacle to a frame of the robot, such as a grasped object to the tool. `pose` is its placement in the frame.
+ */
+KinoptStatus kinopt_world_attach(KinoptWorld *world,
+                                 const char *name,
+                                 const char *frame,
+                                 const double *pose);
+
+/**
+ * Detaches an obstacle from its frame; `pose` is its placement in the world.
+ */
+KinoptStatus kinopt_world_detach(KinoptWorld *world, const char *name, const double *pose);
 
 /**
  * Moves an obstacle.

@@ -1,12 +1,14 @@
 // C++17 layer over kinopt.h, with Eigen. Licence: MIT or Apache-2.0.
 //
-// Classes own their objects and can be moved. Errors of the library are exceptions of type kinopt::Error. A target that
-// is not reached is no error. Units are metres, radians and seconds. The threads of each class are those of kinopt.h.
+// Classes own their objects and can be moved. A moved-from object is empty: its functions throw kinopt::Error, or return
+// 0, false or no names. Errors of the library are exceptions of type kinopt::Error. A target that is not reached is no
+// error. Units are metres, radians and seconds. The threads of each class are those of kinopt.h.
 #ifndef KINOPT_HPP
 #define KINOPT_HPP
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <limits>
@@ -53,6 +55,16 @@ template <class T, void (*Free)(T *)> using Owner = std::unique_ptr<T, Deleter<T
 inline size_t size(Eigen::Index length) { return static_cast<size_t>(length); }
 inline Eigen::Index index(size_t length) { return static_cast<Eigen::Index>(length); }
 
+/// Text that a function of the C interface writes: called for its length, then for the text.
+template <class Write> std::string text(Write &&write) {
+  size_t length = 0;
+  check(write(nullptr, 0, &length));
+  std::string text(length + 1, '\0');
+  check(write(text.data(), text.size(), nullptr));
+  text.resize(length);
+  return text;
+}
+
 /// Sixteen numbers of each placement, one after another.
 inline std::vector<double> numbers(const std::vector<Placement> &placements) {
   std::vector<double> all;
@@ -63,7 +75,8 @@ inline std::vector<double> numbers(const std::vector<Placement> &placements) {
 
 } // namespace detail
 
-/// Options by name, as text of a JSON object. Numbers must be finite.
+/// Options by name, as text of a JSON object. Numbers may be infinite where the option allows it, such as a velocity limit
+/// of one joint. An option that is set twice is an error of the call that gets the settings.
 class Settings {
 public:
   Settings() = default;
@@ -100,6 +113,9 @@ private:
     return *this;
   }
   static std::string number(double value) {
+    if (std::isinf(value)) return value > 0 ? "\"inf\"" : "\"-inf\"";
+    // No number for the library, whose error names the option.
+    if (std::isnan(value)) return "\"nan\"";
     char text[32];
     std::snprintf(text, sizeof text, "%.17g", value);
     return text;
@@ -201,6 +217,27 @@ public:
   void add_plane(const std::string &name, const Placement &pose = Placement::Identity()) {
     detail::check(kinopt_world_add_plane(get(), name.c_str(), pose.data()));
   }
+  /// Triangle mesh: vertices are columns, triangles are columns of three indices of vertices.
+  void add_mesh(const std::string &name, const Eigen::Matrix3Xd &vertices,
+                const Eigen::Matrix<uint32_t, 3, Eigen::Dynamic> &triangles,
+                const Placement &pose = Placement::Identity()) {
+    detail::check(kinopt_world_add_mesh(get(), name.c_str(), vertices.data(), detail::size(vertices.cols()),
+                                        triangles.data(), detail::size(triangles.cols()), pose.data()));
+  }
+  /// Spheres of one radius about points, which are columns.
+  void add_points(const std::string &name, const Eigen::Matrix3Xd &positions, double radius,
+                  const Placement &pose = Placement::Identity()) {
+    detail::check(kinopt_world_add_points(get(), name.c_str(), positions.data(), detail::size(positions.cols()), radius,
+                                          pose.data()));
+  }
+  /// Attaches an obstacle to a frame of the robot, such as a grasped object to the tool.
+  void attach(const std::string &name, const std::string &frame, const Placement &frame_from_object) {
+    detail::check(kinopt_world_attach(get(), name.c_str(), frame.c_str(), frame_from_object.data()));
+  }
+  /// Detaches an obstacle from its frame.
+  void detach(const std::string &name, const Placement &world_from_object) {
+    detail::check(kinopt_world_detach(get(), name.c_str(), world_from_object.data()));
+  }
   void move(const std::string &name, const Placement &pose) {
     detail::check(kinopt_world_move(get(), name.c_str(), pose.data()));
   }
@@ -229,6 +266,31 @@ private:
   detail::Owner<KinoptCollisionModel, kinopt_collision_model_free> owner_;
 };
 
+/// Pair in collision, or nearer than the margin.
+struct Collision {
+  /// Names of links or obstacles.
+  std::string first, second;
+  /// Metres, negative for penetration.
+  double distance = 0.0;
+};
+
+namespace detail {
+
+/// Pairs of a function as kinopt_solution_collision.
+template <class T, class Read> std::vector<Collision> collisions(const T *object, size_t count, Read read) {
+  std::vector<Collision> all;
+  // Longer names are shortened.
+  std::vector<char> first(1024), second(first.size());
+  for (size_t k = 0; k < count; ++k) {
+    double distance = 0.0;
+    check(read(object, k, first.data(), second.data(), first.size(), &distance));
+    all.push_back({first.data(), second.data(), distance});
+  }
+  return all;
+}
+
+} // namespace detail
+
 /// Result of a query, reached or not.
 class Solution {
 public:
@@ -251,12 +313,13 @@ public:
   }
   /// Errors, and the limits or collisions that prevent a better result.
   std::string explain() const {
-    size_t length = 0;
-    detail::check(kinopt_solution_explain(get(), nullptr, 0, &length));
-    std::string text(length + 1, '\0');
-    detail::check(kinopt_solution_explain(get(), text.data(), text.size(), nullptr));
-    text.resize(length);
-    return text;
+    return detail::text([this](char *buffer, size_t size, size_t *length) {
+      return kinopt_solution_explain(get(), buffer, size, length);
+    });
+  }
+  /// Pairs in collision, or nearer than the margin.
+  std::vector<Collision> collisions() const {
+    return detail::collisions(get(), collision_count(), kinopt_solution_collision);
   }
   size_t collision_count() const { return kinopt_solution_collision_count(get()); }
   KinoptSolution *get() { return owner_.get(); }
@@ -521,6 +584,16 @@ public:
   }
   /// Commanded joint positions.
   const Vector &q() const { return q_; }
+  /// Limit that determined a joint's motion in the last cycle, such as "upper limit"; empty for none.
+  std::string held_by(size_t joint) const {
+    return detail::text([this, joint](char *buffer, size_t size, size_t *length) {
+      return kinopt_servo_held_by(owner_.get(), joint, buffer, size, length);
+    });
+  }
+  /// Pairs that blocked the motion of the last cycle, or that are in contact, the deepest first.
+  std::vector<Collision> collisions() const {
+    return detail::collisions(owner_.get(), kinopt_servo_collision_count(owner_.get()), kinopt_servo_collision);
+  }
   Vector velocity() const {
     Vector velocity(q_.size());
     detail::check(kinopt_servo_motion(owner_.get(), velocity.data(), nullptr, detail::size(q_.size())));
@@ -560,6 +633,22 @@ private:
   detail::Owner<KinoptTrajectory, kinopt_trajectory_free> owner_;
 };
 
+/// A point that the tool does not reach, or only in collision.
+struct MissedPoint {
+  size_t row = 0;
+  /// Errors beyond the goal bounds, metres and radians. They are within the tolerances of a pose reached in collision.
+  double position_error = 0.0, orientation_error = 0.0;
+  std::string reason;
+};
+
+/// A step between rows that is not proven collision-free.
+struct BlockedStep {
+  /// Row after the step; 0 for the step that closes a cyclic path.
+  size_t row = 0;
+  /// Colliding pair.
+  std::string pair;
+};
+
 /// Joint path of a Cartesian path: fewest reconfigurations, then the shortest.
 class JointPath {
 public:
@@ -583,15 +672,30 @@ public:
     for (size_t k = 0; k < jumps.size(); ++k) detail::check(kinopt_joint_path_jump(owner_.get(), k, &jumps[k]));
     return jumps;
   }
-  std::vector<KinoptMissedPoint> missed() const {
-    std::vector<KinoptMissedPoint> missed(kinopt_joint_path_missed_count(owner_.get()));
-    for (size_t k = 0; k < missed.size(); ++k) detail::check(kinopt_joint_path_missed(owner_.get(), k, &missed[k]));
-    return missed;
+  std::vector<MissedPoint> missed() const {
+    std::vector<MissedPoint> all;
+    for (size_t k = 0; k < kinopt_joint_path_missed_count(owner_.get()); ++k) {
+      KinoptMissedPoint missed;
+      detail::check(kinopt_joint_path_missed(owner_.get(), k, &missed));
+      all.push_back({missed.index, missed.position_error, missed.orientation_error,
+                     kinopt_joint_path_missed_reason(owner_.get(), k)});
+    }
+    return all;
   }
-  /// Trajectory from rest to rest. Limits have one number a joint; the default is those of the robot's files.
+  std::vector<BlockedStep> blocked() const {
+    std::vector<BlockedStep> all(kinopt_joint_path_blocked_count(owner_.get()));
+    for (size_t k = 0; k < all.size(); ++k) {
+      detail::check(kinopt_joint_path_blocked(owner_.get(), k, &all[k].row));
+      all[k].pair = kinopt_joint_path_blocked_pair(owner_.get(), k);
+    }
+    return all;
+  }
+  /// Trajectory from rest to rest. Limits have one number a joint; the default is those of the robot's files. Settings:
+  /// `corner_tolerance`, `grid_points`, `allow_unreached` (a path with missed points or blocked steps is an error).
   Trajectory trajectory(const Arm &arm, const std::optional<Vector> &velocity_limits = std::nullopt,
                         const std::optional<Vector> &acceleration_limits = std::nullopt,
-                        const std::optional<Vector> &jerk_limits = std::nullopt) const {
+                        const std::optional<Vector> &jerk_limits = std::nullopt,
+                        const Settings &settings = {}) const {
     const size_t count = joint_count_;
     const auto data = [count](const std::optional<Vector> &limits) -> const double * {
       if (!limits) return nullptr;
@@ -603,7 +707,8 @@ public:
     };
     KinoptTrajectory *trajectory = nullptr;
     detail::check(kinopt_joint_path_trajectory(owner_.get(), arm.get(), data(velocity_limits),
-                                               data(acceleration_limits), data(jerk_limits), count, &trajectory));
+                                               data(acceleration_limits), data(jerk_limits), count,
+                                               settings.json().c_str(), &trajectory));
     return Trajectory(trajectory, count);
   }
 

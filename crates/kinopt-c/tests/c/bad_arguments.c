@@ -55,7 +55,7 @@ static const char *text(void) {
   static const char *texts[] = {
       NULL, "", "base", "flange", "tool", "ball", "\xff\xfe", "{", "{}", "[]", "null", "{\"goal\": 3}",
       "{\"goal\": \"position\"}", "{\"attempts\": 1}", "{\"attempts\": -1}", "{\"nothing\": 1}", "{\"seed\": 1e300}",
-      "{\"base_joint\": \"free\"}", "{\"locked\": {\"nothing\": 1}}", "{\"only\": [\"panda_joint1\"]}",
+      "{\"base_joint\": \"free\"}", "{\"seed\": 1, \"seed\": 1}", "{\"held\": {\"x\": 1}}", "{\"locked\": {\"nothing\": 1}}", "{\"only\": [\"panda_joint1\"]}",
       "[{\"kind\": \"point\", \"frame\": \"flange\", \"target\": [0.4, 0, 0.5]}]",
       "[{\"kind\": \"point\", \"frame\": \"flange\"}]", "[{\"kind\": \"posture\", \"reference\": [0]}]",
       "[{\"kind\": \"bounded\", \"task\": {\"kind\": \"bounded\"}}]", "point of `flange`",
@@ -100,7 +100,7 @@ int main(int count, char **arguments) {
   OK(kinopt_solution_new(&solution));
   OK(kinopt_servo_new(arm, start, 7, 1e-3, NULL, &servo));
   OK(kinopt_arm_solve_path(arm, pose, 2, NULL, &joint_path));
-  OK(kinopt_joint_path_trajectory(joint_path, arm, NULL, many, NULL, 7, &trajectory));
+  OK(kinopt_joint_path_trajectory(joint_path, arm, NULL, many, NULL, 7, NULL, &trajectory));
   OK(kinopt_problem_new(robot, "[{\"kind\": \"point\", \"frame\": \"flange\", \"target\": [0.4, 0, 0.5]}]", NULL, NULL, 0,
                         NULL, &problem));
   OK(kinopt_targets_new(problem, &targets));
@@ -115,7 +115,7 @@ int main(int count, char **arguments) {
     size_t size = 0;
     bool flag = false;
     KinoptOutcome outcomes[LENGTH];
-    switch (below(40)) {
+    switch (below(47)) {
     case 0: {
       KinoptRobot *other = NULL;
       status = kinopt_robot_parse(text(), text(), text(), ANY(&other));
@@ -206,7 +206,8 @@ int main(int count, char **arguments) {
     }
     case 27: {
       KinoptTrajectory *other = NULL;
-      status = kinopt_joint_path_trajectory(ANY(joint_path), any_arm, array(), array(), NULL, short_length(), ANY(&other));
+      status = kinopt_joint_path_trajectory(ANY(joint_path), any_arm, array(), array(), NULL, short_length(), text(),
+                                            ANY(&other));
       kinopt_trajectory_free(other);
       break;
     }
@@ -228,6 +229,25 @@ int main(int count, char **arguments) {
     case 38:
       status = kinopt_solver_solve(ANY(solver), ANY(problem), ANY(targets), array(), short_length(), ANY(solution));
       break;
+    case 39: {
+      size_t row = 0;
+      status = kinopt_joint_path_blocked(ANY(joint_path), length(), ANY(&row));
+      CHECK(kinopt_joint_path_missed_reason(ANY(joint_path), length()) == NULL);
+      CHECK(kinopt_joint_path_blocked_pair(ANY(joint_path), length()) == NULL);
+      break;
+    }
+    case 40: status = kinopt_servo_held_by(ANY(servo), length(), ANY(buffer), below(65), ANY(&size)); break;
+    case 41:
+      status = kinopt_servo_collision(ANY(servo), length(), ANY(buffer), ANY(buffer + 32), below(33), place());
+      break;
+    case 42: {
+      static const uint32_t triangles[] = {0, 1, 2, 2, 1, 3, 9, 9, 9, 0, 0, 0};
+      status = kinopt_world_add_mesh(ANY(world), text(), array(), below(86), ANY(triangles), below(5), array());
+      break;
+    }
+    case 43: status = kinopt_world_add_points(ANY(world), text(), array(), below(86), number(), array()); break;
+    case 44: status = kinopt_world_attach(ANY(world), text(), text(), array()); break;
+    case 45: status = kinopt_world_detach(ANY(world), text(), array()); break;
     default: status = kinopt_jacobian_at(ANY(jacobian), array(), short_length(), place(), length()); break;
     }
     CHECK(status != KINOPT_STATUS_INTERNAL);

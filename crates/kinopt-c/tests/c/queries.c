@@ -126,6 +126,15 @@ int main(int count, char **arguments) {
   CHECK(kinopt_robot_read("/nothing.urdf", NULL, &robot) == KINOPT_STATUS_FILE);
   CHECK(kinopt_arm_solve(arm, targets, start, 6, solution) == KINOPT_STATUS_INVALID_VALUE);
 
+  /* JSON that is none is named. */
+  CHECK(kinopt_arm_new(robot, "base", "flange", "{\"seed\": nan}", &none) == KINOPT_STATUS_INVALID_VALUE);
+  CHECK(strstr(kinopt_error_message(), "`settings`") != NULL);
+  CHECK(kinopt_arm_new(robot, "base", "flange", "[1]", &none) == KINOPT_STATUS_INVALID_VALUE);
+  CHECK(strstr(kinopt_error_message(), "`settings`") != NULL);
+  KinoptProblem *problem = NULL;
+  CHECK(kinopt_problem_new(robot, "[{", NULL, NULL, 0.0, NULL, &problem) == KINOPT_STATUS_INVALID_VALUE);
+  CHECK(strstr(kinopt_error_message(), "`tasks`") != NULL);
+
   kinopt_jacobian_free(jacobian);
   kinopt_arm_free(bounded);
   kinopt_solution_free(solution);

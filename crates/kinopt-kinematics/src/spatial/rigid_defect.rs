@@ -7,8 +7,17 @@ use super::{Placement, Vector3};
 #[non_exhaustive]
 pub enum RigidDefect {
     /// An entry is NaN or infinite.
-    #[error("an entry is not finite")]
-    NotFinite,
+    #[error(
+        "the entry in row {row}, column {column} of its 4 x 4 matrix is {value}, expected a finite number"
+    )]
+    NotFinite {
+        /// Row in the 4 × 4 matrix, from 0.
+        row: usize,
+        /// Column in the 4 × 4 matrix, from 0; 3 for the position.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
     /// The columns are not of unit length and at right angles.
     #[error(
         "the rotation is not orthonormal: an entry of R^T R differs by {off:.1e} from the identity, at most \
@@ -57,8 +66,11 @@ impl Placement<f64> {
         } = self;
         let entries = [rotation.x, rotation.y, rotation.z, *translation].map(Vector3::to_array);
         let off = off.iter().copied().fold(0.0, f64::max);
-        if !entries.as_flattened().iter().all(|entry| entry.is_finite()) {
-            RigidDefect::NotFinite
+        let mut numbered = entries.as_flattened().iter().enumerate();
+        if let Some((index, &value)) = numbered.find(|(_, entry)| !entry.is_finite()) {
+            // Three rows a column.
+            let (column, row) = (index / 3, index % 3);
+            RigidDefect::NotFinite { row, column, value }
         } else if off > tolerance {
             RigidDefect::NotOrthonormal { off, tolerance }
         } else {

@@ -20,6 +20,9 @@ impl Solution {
     /// Explains a solution: the errors of unreached tasks, the active limits, and the reason for the end of the search.
     #[must_use]
     pub fn explain(&self) -> String {
+        if self.q.is_empty() && self.attempts == 0 {
+            return "No query was solved yet.".to_owned();
+        }
         let mut text = String::new();
         // Writing to a String cannot fail.
         let _ = self.write_explanation(&mut text);

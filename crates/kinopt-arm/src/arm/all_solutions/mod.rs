@@ -135,7 +135,7 @@ impl Arm {
         base_from_tool: impl Into<Placement<f64>>,
     ) -> Result<Option<Vec<SelfMotion>>, QueryError> {
         let target = base_from_tool.into();
-        self.check_query(0, &target, self.default_start())?;
+        self.check_query(None, &target, self.default_start())?;
         let chain = self.serial.chain.as_ref();
         let chain = chain.filter(|_| self.options.goal.is_full_pose());
         let Some(chain) = chain.and_then(SevenRevolute::new) else {
@@ -204,7 +204,7 @@ impl Arm {
     ) -> Result<AllSolutions, QueryError> {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
+        self.check_query(None, &target, start)?;
         let query = Query::new(self, &target, start);
         self.with_workspace(|workspace| {
             workspace.set_target(&target);

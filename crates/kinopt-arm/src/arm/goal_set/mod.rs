@@ -126,7 +126,7 @@ impl GoalSet {
         for ((arm, start), (q, outcomes)) in self.arms.iter().zip(starts).zip(rows) {
             arm.check_length("the start", start.len(), arm.joint_count())?;
             for (query, goal) in goals.iter().enumerate() {
-                arm.check_query(query, goal, start)?;
+                arm.check_query(Some(query), goal, start)?;
             }
             let parts = goals
                 .chunks(GOALS_AT_A_TIME)

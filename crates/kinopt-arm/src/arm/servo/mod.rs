@@ -375,6 +375,18 @@ impl Servo<'_> {
         &self.acceleration
     }
 
+    /// Pairs that blocked the motion of the last cycle, or that are in contact: those of [`ServoStep::collisions`].
+    #[must_use]
+    pub fn collisions(&self) -> &[Collision] {
+        &self.collisions
+    }
+
+    /// Limits that determined the motion of the joints in the last cycle, base to tip; `None` for a joint without one.
+    #[must_use]
+    pub fn held(&self) -> &[Option<HeldBy>] {
+        &self.held
+    }
+
     /// Runs one control cycle towards a target, a placement from tool to base coordinates, and returns the command.
     ///
     /// Send [`q`](ServoStep::q) to the robot. [`stop`](Self::stop) brings a moving arm to rest. Allocates nothing, unless
@@ -387,7 +399,7 @@ impl Servo<'_> {
         base_from_tool: impl Into<Placement<f64>>,
     ) -> Result<ServoStep<'_>, QueryError> {
         let target = base_from_tool.into();
-        self.arm.check_query(0, &target, &self.goal)?;
+        self.arm.check_query(None, &target, &self.goal)?;
         let rests = self.target.replace(target) == Some(target);
         let ended = self.advance_goal(&target, rests);
         self.history.push(&self.goal);
