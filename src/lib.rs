@@ -61,13 +61,16 @@
 //!
 //! - `arm`: robot arms and Cartesian paths; every feature for robots enables it
 //! - `animation`: keyframe animation, skinning, files of characters
-//! - `motion`: trajectory optimisation, clip IK, retargeting
+//! - `motion`: trajectory optimisation, clip IK, retargeting, scores of motions
+//! - `c3d`: markers from C3D files
 //! - `collision`: shapes, distances, worlds of obstacles, collision avoidance of arms
 //! - `urdf`: robots from URDF
 //! - `mjcf`: robots from MuJoCo's XML
 //! - `yaml`: joint limits from MoveIt's YAML
 //! - `gltf`: scenes from and to glTF
+//! - `draco`: Draco-compressed meshes of glTF files
 //! - `heat`: skin weights by bone heat weighting
+//! - `npz`: NumPy's `.npz` files, motions of the SMPL family
 //! - `rayon`: batches on several threads
 //! - `serde`: serialisation of models, options, solutions and clips
 //! - `argmin`: the bridge to argmin
@@ -139,6 +142,7 @@ pub use nalgebra;
 #[doc = include_str!("../docs/guide/characters.md")]
 #[doc = include_str!("../docs/guide/clip-ik.md")]
 #[doc = include_str!("../docs/guide/clips.md")]
+#[doc = include_str!("../docs/guide/complete-solutions.md")]
 #[doc = include_str!("../docs/guide/derivatives.md")]
 #[doc = include_str!("../docs/guide/dragging.md")]
 #[doc = include_str!("../docs/guide/followers.md")]
@@ -148,7 +152,9 @@ pub use nalgebra;
 #[doc = include_str!("../docs/guide/postures.md")]
 #[doc = include_str!("../docs/guide/priorities.md")]
 #[doc = include_str!("../docs/guide/residuals.md")]
+#[doc = include_str!("../docs/guide/retargeting-robots.md")]
 #[doc = include_str!("../docs/guide/retargeting.md")]
+#[doc = include_str!("../docs/guide/scores.md")]
 #[doc = include_str!("../docs/guide/servo.md")]
 #[doc = include_str!("../docs/guide/skinning.md")]
 #[doc = include_str!("../docs/guide/targets.md")]

@@ -48,7 +48,7 @@ pub(crate) struct CapturedFrames {
 impl AnimatedArmature {
     /// True if a path has the extension of an animation file.
     pub(crate) fn is_at(path: &Path) -> bool {
-        matches!(extension(path).as_str(), "bvh" | "glb" | "gltf")
+        extension(path) == "bvh" || is_scene(path)
     }
 
     /// Reads an animation file.
@@ -176,6 +176,11 @@ impl AnimatedArmature {
         });
         Ok(Vector3::from(across).norm())
     }
+}
+
+/// Returns `true` for the file extensions of scenes. VRM files are GLB files.
+pub(crate) fn is_scene(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "glb" | "gltf" | "vrm")
 }
 
 /// Extension of a path in lower case; empty without an extension.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::animation::BallPoseMap;
-use kinopt_bindings::problem_file::ModelSettings;
 use kinopt_bindings::problem_file::number_list::{self, Numbers};
+use kinopt_bindings::problem_file::{BoneHinges, HingeChoice, ModelSettings};
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
@@ -37,7 +37,7 @@ Loops and ball joints are keys of the --problem file, such as {\"model\": {\"joi
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb or .gltf.
+    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb, .gltf or .vrm.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
@@ -110,10 +110,14 @@ struct AnimatedDocument<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let settings = arguments.model_options.problem()?.model;
+    let mut settings = arguments.model_options.problem()?.model;
     if AnimatedArmature::is_at(&arguments.model) && !settings.makes_figure() {
         refuse_robot_settings(&settings, &arguments.model.display().to_string())?;
         return run_animated(arguments, &settings, json);
+    }
+    if arguments.time.is_some() && settings.hinges.is_none() {
+        // A keyframe may rotate a knee about any axis.
+        settings.hinges = Some(BoneHinges::Choice(HingeChoice::None));
     }
     let mut loaded = LoadedModel::read(&arguments.model, &settings)?;
     if !AnimatedArmature::is_at(&arguments.model) {

@@ -16,12 +16,12 @@ use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
 use crate::file_access;
+use crate::hinges;
 use crate::model_options::{read_robot, refuse_skeleton_settings};
 use crate::output;
 
 /// File types of [`LoadedModel::read`]. A new type also needs a match arm there.
-const SUPPORTED: &str =
-    ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)";
+const SUPPORTED: &str = ".urdf and .xml (a robot), .json (a rig), .glb, .gltf and .vrm (a scene), .bvh (motion capture)";
 
 /// Extensions of robots: URDF and MJCF. The root element of the document selects the reader.
 const ROBOTS: [&str; 3] = ["urdf", "xml", "mjcf"];
@@ -124,7 +124,7 @@ impl LoadedModel {
         }
         if AnimatedArmature::is_at(path) {
             let animated = AnimatedArmature::read_for(path, settings)?;
-            return Self::of_animated(animated, moment)?.with_joints(settings);
+            return Self::of_animated(animated, moment, settings)?.with_joints(settings);
         }
         if moment.is_some() {
             return Err(usage!(
@@ -153,9 +153,13 @@ impl LoadedModel {
         }
     }
 
-    /// Bones of a scene or a capture, all free to rotate. In a scene with skins, only the joints of skins rotate; in a
-    /// capture, only joints with channels.
-    fn of_animated(animated: AnimatedArmature, moment: Option<Moment<'_>>) -> Outcome<Self> {
+    /// Bones of a scene or a capture, all free to rotate, with the hinges of the settings. In a scene with skins, only the
+    /// joints of skins rotate; in a capture, only joints with channels.
+    fn of_animated(
+        animated: AnimatedArmature,
+        moment: Option<Moment<'_>>,
+        settings: &ModelSettings,
+    ) -> Outcome<Self> {
         let pose = moment.map(|Moment { time, clip }| {
             animated.pose_at(animated.clip(clip)?, time, Playback::Hold)
         });
@@ -179,6 +183,7 @@ impl LoadedModel {
         });
         let skeleton = armature.turning_skeleton(file.clone(), &turning);
         let skeleton = skeleton.map_err(|error| failure!("{file}: {error}"))?;
+        let skeleton = hinges::applied(skeleton, settings, &file)?;
         let capture = frames.map(|frames| Capture {
             armature,
             frame_time: frames.time,

@@ -25,6 +25,7 @@ mod fk;
 mod frame_name;
 mod frame_report;
 mod help_headings;
+mod hinges;
 mod info;
 mod interpolation_choice;
 mod joint_columns;
@@ -35,7 +36,6 @@ mod mesh_output;
 mod model_options;
 mod moved_options;
 mod number_format;
-mod numpy_file;
 mod output;
 mod outside_limits;
 mod path;
@@ -45,6 +45,7 @@ mod progress;
 mod retarget;
 mod robot_base;
 mod scene_output;
+mod score;
 mod solve;
 mod spheres;
 mod table;
@@ -79,6 +80,7 @@ Examples:
   kinopt check robot.urdf --q-file solved.json --world kitchen.json --margin 0.01
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
+  kinopt score walk.csv g1.urdf --subject walk.bvh
 
 Each subcommand has a --help. Options that only few need are keys of a JSON file (--problem FILE);
 docs/reference/problem.md lists them. kinopt bench needs a build with the feature `bench`:
@@ -111,6 +113,7 @@ enum Subcommands {
     Calibrate(calibrate::Arguments),
     Animate(animate::Arguments),
     Retarget(retarget::Arguments),
+    Score(score::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -179,6 +182,7 @@ fn main() -> ExitCode {
         Subcommands::Calibrate(arguments) => calibrate::run(arguments, json),
         Subcommands::Check(arguments) => check::run(arguments, json),
         Subcommands::Retarget(arguments) => retarget::run(arguments, json),
+        Subcommands::Score(arguments) => score::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),
     };
     match done {

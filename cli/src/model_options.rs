@@ -145,6 +145,7 @@ pub(crate) fn refuse_skeleton_settings(settings: &ModelSettings, file: &str) -> 
     let given = first_given([
         ("`joints`", settings.joints.is_some()),
         ("`cones`", settings.cones.is_some()),
+        ("`hinges`", settings.hinges.is_some()),
         ("`without_scale`", settings.without_scale),
     ]);
     let refused = |setting| usage!("{file}: {setting} is for rigs, scenes and motion capture");

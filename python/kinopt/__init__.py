@@ -14,6 +14,7 @@ from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
+    AllSolutions,
     Arm,
     BallSkeleton,
     ArmDerivative,
@@ -29,6 +30,7 @@ from ._kinopt import (
     Follower,
     ForwardKinematics,
     Frame,
+    GoalSetSolution,
     PoseBounds,
     Iteration,
     Jacobian,
@@ -47,6 +49,7 @@ from ._kinopt import (
     ParameterMap,
     PathReport,
     Problem,
+    Reachability,
     Rig,
     RigPosing,
     Robot,
@@ -56,6 +59,7 @@ from ._kinopt import (
     SceneMesh,
     ScenePosing,
     Separation,
+    SelfMotion,
     Servo,
     ServoStep,
     Shape,
@@ -68,6 +72,7 @@ from ._kinopt import (
     Solver,
     SphereModel,
     Srdf,
+    StandingDrag,
     TaskReport,
     TimedSpline,
     Trajectory,
@@ -79,6 +84,7 @@ from ._kinopt import (
     frame_jacobian,
     frame_placement,
     interpolate,
+    solve_goals,
     solve_path,
 )
 from .errors import (
@@ -91,7 +97,15 @@ from .errors import (
 
 from .motion import Contact
 from .placements import placement
-from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
+from .retargeting import (
+    MotionScore,
+    RetargetFollower,
+    RetargetReport,
+    guess_map,
+    retarget,
+    retarget_hand,
+    score,
+)
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -107,6 +121,7 @@ def __getattr__(name: str) -> ModuleType:
 __all__ = [
     "ActiveLimit",
     "ActiveMotionLimit",
+    "AllSolutions",
     "Arm",
     "BallSkeleton",
     "ArmDerivative",
@@ -124,6 +139,7 @@ __all__ = [
     "Follower",
     "ForwardKinematics",
     "Frame",
+    "GoalSetSolution",
     "PoseBounds",
     "InvalidFileError",
     "InvalidValueError",
@@ -141,10 +157,12 @@ __all__ = [
     "MotionCapture",
     "MotionProblem",
     "MotionReport",
+    "MotionScore",
     "Obstacle",
     "ParameterMap",
     "PathReport",
     "Problem",
+    "Reachability",
     "RetargetFollower",
     "RetargetReport",
     "Rig",
@@ -156,6 +174,7 @@ __all__ = [
     "SceneMesh",
     "ScenePosing",
     "Separation",
+    "SelfMotion",
     "Servo",
     "ServoStep",
     "Shape",
@@ -168,6 +187,7 @@ __all__ = [
     "Solver",
     "SphereModel",
     "Srdf",
+    "StandingDrag",
     "TaskReport",
     "TimedSpline",
     "Trajectory",
@@ -183,7 +203,10 @@ __all__ = [
     "guess_map",
     "interpolate",
     "retarget",
+    "retarget_hand",
     "retargeting",
+    "score",
+    "solve_goals",
     "solve_path",
     "io",
     "methods",

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kinopt::io::bvh::{self, BvhChannel};
+use kinopt::io::smpl::{self, RestJoints};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -60,6 +61,43 @@ impl MotionCapture {
         let data = text_or_bytes(data, "data")?;
         let capture = class.py().detach(|| bvh::from_bytes(&data, name));
         capture.or_raise().map(Self::from)
+    }
+
+    /// Reads a motion of SMPL, SMPL-H or SMPL-X from a .npz file with the arrays of AMASS: `poses`, `trans`,
+    /// `mocap_frame_rate`, and optionally `betas` and `jtr`. Bones have the names of SMPL's joints, lengths are metres.
+    ///
+    /// Rest joints are those of `jtr`. A file without them takes those of `body_model` for its `betas`: the path of a .npz
+    /// file with `J_regressor`, `v_template` and `shapedirs`. Else they are those of a default skeleton of `height` metres
+    /// (None: 1.7), with a note.
+    ///
+    /// Raises `FileError` and `InvalidFileError`, and `InvalidValueError` for both `body_model` and `height`.
+    #[classmethod]
+    #[pyo3(signature = (path, *, body_model = None, height = None))]
+    fn read_smpl(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        body_model: Option<PathBuf>,
+        height: Option<f64>,
+    ) -> PyResult<Self> {
+        if body_model.is_some() && height.is_some() {
+            return Err(invalid(
+                "body_model and height both determine the rest joints: give one of them",
+            ));
+        }
+        let motion = class.py().detach(|| {
+            let rest_joints = match (body_model, height) {
+                (Some(path), None) => RestJoints::BodyModel(smpl::read_body_model(path)?),
+                (None, Some(height)) => RestJoints::Height(height),
+                _ => RestJoints::Default,
+            };
+            smpl::read(&path, &rest_joints)
+        });
+        let motion = motion.or_raise()?;
+        let notes = motion.notes.iter().map(ToString::to_string).collect();
+        Ok(Self {
+            notes,
+            ..bvh::MotionCapture::from(motion).into()
+        })
     }
 
     /// One bone for each joint and End Site, in the order of the file.

@@ -39,6 +39,7 @@ mod path;
 mod pickling;
 mod placement;
 mod pool;
+mod posing;
 mod problem;
 mod progress;
 mod retargeting;
@@ -63,7 +64,10 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
+    use super::arm::{
+        AllSolutions, Arm, ArmDerivative, Batch, Follower, GoalSetSolution, Reachability,
+        SelfMotion, Servo, ServoStep, solve_goals,
+    };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};
     #[pymodule_export]
@@ -96,6 +100,8 @@ mod _kinopt {
     use super::path::{MissedPoint, PathReport, solve_path};
     #[pymodule_export]
     use super::placement::interpolate;
+    #[pymodule_export]
+    use super::posing::StandingDrag;
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]

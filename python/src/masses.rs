@@ -5,6 +5,7 @@ use std::sync::Arc;
 use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::Masses;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::Queries;
 use crate::error::{OrRaise, invalid};
@@ -46,6 +47,20 @@ pub(crate) fn centres_jacobians<'py>(
         Ok(())
     })?;
     Ok(array.into_any())
+}
+
+/// Masses as a dict: {"frame": (kg, (x, y, z))}.
+pub(crate) fn by_frame<'py>(
+    py: Python<'py>,
+    model: &kinopt::Model,
+    masses: &Masses,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (frames, by_frame) = (model.frames(), PyDict::new(py));
+    for point in masses.points() {
+        let [x, y, z] = point.at.to_array();
+        by_frame.set_item(&frames[point.frame.index()].name, (point.mass, (x, y, z)))?;
+    }
+    Ok(by_frame)
 }
 
 /// Masses of a robot from its file, or of a rig by the volume of its mesh.

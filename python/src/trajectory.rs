@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use kinopt::model::UnknownName;
 use kinopt::motion::path;
-use kinopt_bindings::trajectory_file::{Contacts, TrajectoryFormat, TrajectoryTable};
+use kinopt_bindings::motion_file::write_robot_glb;
+use kinopt_bindings::trajectory_file::{Contacts, TableLayout, TrajectoryFormat, TrajectoryTable};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -165,15 +167,30 @@ impl Trajectory {
     ///
     /// A .npz and a .json have `q` and `names`, and `times` in seconds or, of a retargeted motion, `fps`, `contacts`,
     /// `contact_frames` and `contact_points`. A .csv has a row for each sample: time, configuration, and contacts (1 in
-    /// contact). Without `header` its rows are bare configurations, whose free base has the quaternion x, y, z, w.
+    /// contact). Without `header` its rows are bare configurations, whose free base has the quaternion x, y, z, w: the
+    /// `layout` "lafan1" of Unitree. With "mujoco" it is w, x, y, z, and a .npz has `qpos` instead of `q`.
     ///
-    /// .bvh and .glb need a motion retargeted to a rig, skeleton, scene or motion capture. A .glb of a `SceneFile` keeps
-    /// all content of the file; of a `Scene` it has no materials. `clip` names its clip.
+    /// .bvh needs a motion retargeted to a rig, skeleton, scene or motion capture. A .glb of a `SceneFile` keeps all
+    /// content of the file; of a `Scene` it has no materials. A .glb of a retargeted robot has a node for each link.
+    /// `clip` names its clip.
     ///
     /// Raises `InvalidValueError` for another extension, and for bones that the model does not have. Raises `FileError`
     /// if the file cannot be written.
-    #[pyo3(signature = (path, *, header = true, clip = "retargeted"))]
-    fn save(&self, py: Python<'_>, path: PathBuf, header: bool, clip: &str) -> PyResult<()> {
+    #[pyo3(signature = (path, *, header = true, clip = "retargeted", layout = "lafan1"))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        header: bool,
+        clip: &str,
+        layout: &str,
+    ) -> PyResult<()> {
+        let known = TableLayout::ALL.iter().find(|(name, _)| *name == layout);
+        let unknown = || UnknownName::new("layout", layout, TableLayout::ALL.map(|(name, _)| name));
+        let layout = known
+            .map(|(_, layout)| *layout)
+            .ok_or_else(unknown)
+            .or_raise()?;
         let format = TrajectoryFormat::of(&path).ok_or_else(|| {
             invalid(format!(
                 "{}: unsupported extension; expected .npz, .json, .csv, .bvh or .glb",
@@ -182,14 +199,21 @@ impl Trajectory {
         })?;
         let contacts = contacts_of(self.report.bind(py))?;
         let model = self.model.as_ref().map(|model| model.bind(py));
-        if let (true, Some(contacts), Some(model)) = (format.needs_figure(), &contacts, model) {
+        if let (true, Some(contacts), Some(model)) = (format.has_bones(), &contacts, model) {
             let motion = (&*self.inner.q, contacts.frame_rate);
             if figure_target::write(model, motion, clip, (format, &path))? {
                 return Ok(());
             }
         }
         let robot = model.filter(|_| contacts.is_some()).map(target_of);
-        let is_free = robot.transpose()?.is_some_and(|robot| {
+        let robot = robot.transpose()?;
+        if let (TrajectoryFormat::Glb, Some(robot), Some(contacts)) = (format, &robot, &contacts) {
+            let motion = (&*self.inner.q, contacts.frame_rate);
+            return py
+                .detach(|| write_robot_glb(robot, motion, clip, &path))
+                .or_raise();
+        }
+        let is_free = robot.is_some_and(|robot| {
             let root = robot.free_root();
             root.is_some_and(|joint| robot.model().coordinate(joint) == Some(0))
         });
@@ -199,6 +223,7 @@ impl Trajectory {
             q: &self.inner.q,
             contacts: contacts.as_ref(),
             is_free,
+            layout,
         };
         let header = header || contacts.is_none();
         py.detach(|| table.write(format, header, &path)).or_raise()

@@ -123,16 +123,45 @@ def test_unreached_target_reports_error_and_reason(arm):
     assert batch.explain(0) == solution.explain()
     assert batch.explain() == [solution.explain()] * 2
     assert not batch.reached.any()
-    assert not arm.distinct(unreachable, START)
+    assert len(arm.solve_all(unreachable, START)) == 0
 
 
-def test_distinct_solutions_differ_and_reach(arm, targets):
-    solutions = arm.distinct(targets[3], START, k=6, distance=0.3)
-    assert 1 < len(solutions) <= 6
-    for i, one in enumerate(solutions):
-        assert one.reached
-        for other in solutions[:i]:
-            assert np.linalg.norm(one.q - other.q) > 0.3
+def test_all_solutions_differ_and_reach(arm, targets):
+    found = arm.solve_all(targets[3], START)
+    assert len(found) > 1 and not found.complete and found.argument is None
+    assert found.shoulder == [None] * len(found)
+    poses = np.broadcast_to(targets[3], (len(found), 4, 4))
+    assert errors_of(arm, found.q, poses)[0].max() < 1.001e-6
+    for i, one in enumerate(found.q):
+        assert all(np.linalg.norm(one - other) > 0.3 for other in found.q[:i])
+
+
+def test_six_joints_have_a_complete_set():
+    robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
+    ur5e = kinopt.Arm(robot, "base", "flange", atlas=False)
+    q = np.array([0.4, -1.2, 1.1, -0.8, 1.2, 0.5])
+    found = ur5e.solve_all(ur5e.base_from_tool(q), q)
+    assert found.complete and not found.has_family and found.argument == "three_parallel_axes"
+    assert np.abs(found.q[0] - q).max() < 1e-9
+    # Eight branches with two turns of each joint but the elbow.
+    assert len(found) == 8 * 32
+    branches = set(zip(found.shoulder, found.elbow, found.wrist))
+    assert len(branches) == 8 and {name for names in branches for name in names} == {
+        "left", "right", "up", "down", "flip", "no_flip",
+    }
+    assert found.position_errors.max() < 1e-9 and found.orientation_errors.max() < 1e-9
+
+
+def test_self_motions_keep_the_tool_at_its_target(arm, targets):
+    motions = arm.self_motions(targets[3])
+    for motion in motions:
+        poses = arm.base_from_tool(motion.q)
+        assert np.abs(poses - targets[3]).max() < 1e-9
+        assert len(motion) == 1 or np.abs(np.diff(motion.q, axis=0)).max() <= 0.05
+    # The solutions of single queries lie on the curves.
+    samples = np.concatenate([motion.q for motion in motions])
+    for q in arm.solve_all(targets[3]).q:
+        assert np.abs(samples - q).max(axis=1).min() < 0.05
 
 
 def test_path_is_followed_without_jumps(arm):
@@ -289,3 +318,41 @@ def test_invalid_target_of_batch_is_named(arm, targets):
     frozen.flags.writeable = False
     with pytest.raises(kinopt.InvalidValueError, match="writable"):
         arm.solve_batch(targets, START, out=frozen)
+
+
+def test_reachability_is_a_solution_or_a_proof(robot, targets):
+    arm = kinopt.Arm(robot, "base", "flange")
+    found = arm.reachability(targets[0])
+    assert found.reachable and found.solution.reached and found.boxes == 0
+    turned = np.eye(4)
+    turned[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    turned[:3, 3] = [0.2, 0.1, 0.1]
+    proof = arm.reachability(turned)
+    assert proof.reachable is False and proof.boxes > 0
+    assert proof.solution.is_out_of_reach and "Out of reach" in proof.explain()
+    assert arm.reachability(turned, max_boxes=0).reachable is None
+
+
+def test_goal_sets_rank_targets_of_tools(arm, targets):
+    far = np.array(targets[:40])
+    far[::4, :3, 3] += 3.0
+    tools = np.tile(np.eye(4), (2, 1, 1))
+    tools[1, 2, 3] = 0.1
+    found = arm.solve_goals(far, tools, threads=2)
+    assert found.reached.shape == found.cost.shape == (2, 40)
+    assert found.reached[0, 1::4].all() and not found.reached[:, ::4].any()
+    assert found.status[0][0] == "out of reach" and np.isnan(found.q[0][0]).all()
+    single = arm.solve(far[1])
+    np.testing.assert_array_equal(found.q[0][1], single.q)
+    costs = found.cost[tuple(found.ranking.T)]
+    assert (np.diff(costs) >= 0).all() and len(costs) == found.reached.sum()
+    assert tuple(found.ranking[0]) == found.best
+    assert "Out of reach" in found.explain(0, 0)
+
+    wrist = kinopt.solve_goals([arm], far, criterion=lambda index, q: np.abs(q[:, 6]))
+    reached = wrist.reached[0]
+    np.testing.assert_array_equal(wrist.cost[0][reached], np.abs(wrist.q[0][reached, 6]))
+    with pytest.raises(kinopt.UnknownNameError, match="distance, manipulability, clearance"):
+        arm.solve_goals(far, criterion="speed")
+    with pytest.raises(kinopt.InvalidValueError, match="one start for each arm"):
+        kinopt.solve_goals([arm], far, starts=[START, START])

@@ -149,7 +149,6 @@ def test_counts_are_non_negative_integers():
     for wrong in (-1, 1.5, "two", 2**70):
         for call in (
             lambda wrong=wrong: arm.solve_batch([pose], threads=wrong),
-            lambda wrong=wrong: arm.distinct(pose, k=wrong),
             lambda wrong=wrong: robot.random_configuration(wrong, seed=1),
             lambda wrong=wrong: kinopt.Solver(max_iterations=wrong),
             lambda wrong=wrong: kinopt.Solver(attempts=wrong),

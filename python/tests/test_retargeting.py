@@ -77,9 +77,15 @@ def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
         # Joint velocities, between successive frames.
         max_step = nao.velocity_limits[7:] / 30
         assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= max_step * (1 + 1e-12))
-        # The reported errors equal those of forward kinematics.
-        assert found.report.driven == ["hips", "left", "right"] and found.report.errors.shape == (30, 3)
-        assert np.isclose(found.report.errors.mean(), found.report.mean_error)
+        # The reported angles are those of the legs, from the hips to the soles, by forward kinematics.
+        assert found.report.limbs == ["left_leg", "right_leg"] and found.report.limb_angles.shape == (30, 2)
+        placed = kinopt.ForwardKinematics(nao, ["torso", "left_sole", "right_sole"]).place(found.q)[:, :, :3, 3]
+        for k, limb in enumerate(found.report.limbs):
+            directions = [of[:, k + 1] - of[:, 0] for of in (sway(), placed)]
+            a, b = (of / np.linalg.norm(of, axis=1, keepdims=True) for of in directions)
+            angles = np.degrees(np.arccos((a * b).sum(axis=1)))
+            assert np.allclose(found.report.limb_angles[:, k], angles, atol=1e-4)
+            assert np.isclose(found.report.score.limbs[limb].mean, angles.mean(), atol=1e-4)
         assert found.report.contact_frames == ["left_sole", "right_sole"] and found.report.contacts.all()
         assert found.report.contact_points.shape == (2, 3) and not found.report.contact_points.any()
         soles = kinopt.ForwardKinematics(nao, found.report.contact_frames).place(found.q)[:, :, :3, 3]
@@ -93,7 +99,7 @@ def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
     positions = sway(20)
     positions[10:, 0, 1] += 0.3
     found = kinopt.retarget(positions, nao, MAP)
-    assert found.report.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.report.limits)
+    assert found.report.missed(1.0) and any(limit.bound.startswith("speed") for limit in found.report.limits)
     max_steps = dict(zip(nao.joint_names, nao.velocity_limits / 30))
     column = found.names.index
     for limit in found.report.limits:
@@ -165,25 +171,23 @@ def test_capture_file_and_its_clip_are_equal(nao: kinopt.Robot, tmp_path: Path) 
 def test_shipped_capture_has_a_map(nao: kinopt.Robot) -> None:
     names, positions = person()
     guess = kinopt.guess_map(Capture(positions, names, 30), nao)
-    assert (guess.skeleton, guess.body) == ("smpl", "nao")
+    assert (guess.skeleton, guess.body) == ("smpl", None)
     # Its toes are in front of its ankles, unlike the frames of its feet.
     assert guess.map["drives"]["left_foot"]["offset"][0] > 0
 
 
 def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
     names, positions = person()
-    # With a renamed link the body is not recognised.
+    # The names of links do not matter: the robot's tree has its parts.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
     nao = kinopt.Robot.from_urdf_text(text, "stranger.urdf", base_joint="free")
     guess = kinopt.guess_map(Capture(positions, names, 30), nao)
     assert guess.skeleton == "smpl" and guess.body is None
     drives = guess.map["drives"]
     assert drives["left_knee"] == "left_calf" and drives["left_wrist"] == "left_wrist"
-    assert drives["left_ankle"] == "left_ankle"
-    # SMPL's feet are toes, and the robot's feet are at its ankles: both would drive one point.
-    assert "left_foot" not in drives
-    assert "left_toe: `left_foot` is where `left_ankle` is, so it is left out" in guess.notes
-    assert any(note.startswith("chest") for note in guess.notes)
+    assert drives["left_ankle"] == "left_foot"
+    # SMPL's feet are toes, and the robot's are in front of its ankles.
+    assert drives["left_foot"]["frame"] == "left_foot" and drives["left_foot"]["offset"][0] > 0.03
     by_name = kinopt.retarget(positions, nao, "smpl", fps=30)
     assert by_name.report.map == guess.map and by_name.report.notes == guess.notes
     lying = kinopt.guess_map(Capture(positions, names, 30, "y"), nao)
@@ -490,3 +494,27 @@ def test_up_axis_is_detected(tmp_path: Path) -> None:
     given = kinopt.retarget(turned, nao, joints=joints, fps=30, up="z")
     assert given.report.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
     assert "the body is upright along y, but the upward axis is z" in given.report.notes
+
+
+def test_terrain_raises_and_tilts_a_motion(nao: kinopt.Robot, tmp_path: Path) -> None:
+    steps = MODELS / "captures" / "steps.bvh"
+    level = kinopt.retarget(steps, nao, fps=10)
+    plate = {"patches": [{"centre": [0, 0, 0.25], "size": [50, 50]}]}
+    raised = kinopt.retarget(steps, nao, fps=10, terrain=plate)
+    assert np.allclose(raised.q[:, 2], level.q[:, 2] + 0.25, atol=2e-3)
+    (tmp_path / "plate.json").write_text(json.dumps(plate))
+    assert np.array_equal(kinopt.retarget(steps, nao, fps=10, terrain=tmp_path / "plate.json").q, raised.q)
+    with pytest.raises(kinopt.KinoptError, match="size"):
+        kinopt.retarget(steps, nao, fps=10, terrain={"patches": [{"centre": [0, 0, 0], "size": [0, 1]}]})
+
+
+def test_object_moves_with_the_hands(nao: kinopt.Robot) -> None:
+    capture = read_capture(MODELS / "captures" / "steps.bvh", fps=10)
+    hands = [capture.positions[:, capture.joints.index(f"{side}Hand")] for side in ("Left", "Right")]
+    poses = np.concatenate([np.mean(hands, axis=0), np.tile([1.0, 0, 0, 0], (len(capture), 1))], axis=1)
+    radius = float(np.linalg.norm(hands[0] - hands[1], axis=1).min() / 2)
+    held = {"shape": {"ball": radius}, "poses": poses, "model_shape": {"ball": 0.08}}
+    motion = kinopt.retarget(capture, nao, held_object=held)
+    assert motion.report.object_poses.shape == (len(capture), 7)
+    with pytest.raises(kinopt.KinoptError, match="3 poses"):
+        kinopt.retarget(capture, nao, held_object={**held, "poses": poses[:3]})

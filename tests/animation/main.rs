@@ -39,6 +39,7 @@ mod rotation_interpolation;
 mod scaled_bones;
 mod segment_easing;
 mod skinning;
+mod smpl;
 mod splines;
 mod state_machine_reports;
 mod state_machine_steps;

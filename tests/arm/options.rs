@@ -400,7 +400,6 @@ fn seeds_reproduce_and_vary_results() {
 fn option_out_of_range_is_named() {
     let (nan, inf) = (f64::NAN, f64::INFINITY);
     let b = builder;
-    let distinct = |k, distance| b().with_search(Search::Distinct { k, distance });
     for (invalid, name) in [
         (b().with_position_tolerance(0.0), "position_tolerance"),
         (b().with_position_tolerance(nan), "position_tolerance"),
@@ -424,9 +423,6 @@ fn option_out_of_range_is_named() {
         (b().with_limit_avoidance(-1e-9), "limit_avoidance"),
         (b().with_limit_avoidance(nan), "limit_avoidance"),
         (b().with_limit_avoidance(inf), "limit_avoidance"),
-        (distinct(0, 0.5), "distinct k"),
-        (distinct(2, nan), "distinct distance"),
-        (distinct(2, -0.1), "distinct distance"),
         (b().with_joint_weights(&[1.0; 6]), "joint_weights"),
         (b().with_joint_weights(&[0.0; 7]), "joint_weights"),
         (b().with_max_move(&[0.1; 8]), "max_move"),

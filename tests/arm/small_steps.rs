@@ -13,7 +13,7 @@ use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
 /// Largest joint displacement that a reachable target is taken from, radians or metres.
 const JOINT_STEP: f64 = 5e-3;
-/// Interval at which `Nearest` and `Distinct` solve as well.
+/// Interval at which `Nearest` and `solve_all` solve as well.
 const COMPARISON_INTERVAL: usize = 10;
 
 /// One arm per search.
@@ -21,7 +21,6 @@ struct Searches {
     start: Arm,
     first_attempt: Arm,
     nearest: Arm,
-    distinct: Arm,
 }
 
 impl Searches {
@@ -31,10 +30,6 @@ impl Searches {
         Self {
             first_attempt: builder.clone().with_attempts(1).build().unwrap(),
             nearest: search(Search::Nearest),
-            distinct: search(Search::Distinct {
-                k: 8,
-                distance: 1e-3,
-            }),
             start,
         }
     }
@@ -53,8 +48,8 @@ impl Searches {
             assert!(nearest.reached, "{case}: from {start:?}");
             let apart = distance(&nearest.q, start);
             assert!(apart <= farthest, "{case}: from {start:?}, {apart}");
-            let distinct = self.distinct.solve_all(target, start).unwrap();
-            let apart = distance(&distinct[0].q, start);
+            let all = self.start.solve_all_from(target, start).unwrap();
+            let apart = distance(&all.solutions[0].q, start);
             assert!(apart <= farthest, "{case}: from {start:?}, {apart}");
         }
         true

@@ -9,7 +9,7 @@ use kinopt_bindings::problem_file::body::{Centre, Foot, Lock};
 use kinopt_bindings::problem_file::interval::Interval;
 use kinopt_bindings::problem_file::methods;
 use kinopt_bindings::problem_file::number_list::{not_negative, parse, parse_exactly, positive};
-use kinopt_bindings::problem_file::start::{Start, search};
+use kinopt_bindings::problem_file::start::{SolutionChoice, Start, search};
 use kinopt_bindings::problem_file::target::{FrameTarget, RayTarget};
 
 #[test]
@@ -46,18 +46,9 @@ fn starts_parse() {
 
 #[test]
 fn searches_by_name() {
-    let distinct = |k, distance| Ok(Search::Distinct { k, distance });
-    assert_eq!(search("start"), Ok(Search::Start));
-    assert_eq!(search("distinct:4"), distinct(4, 0.5));
-    assert_eq!(search("distinct:4,0.25"), distinct(4, 0.25));
-    for bad in [
-        "",
-        "distinct",
-        "distinct:",
-        "distinct:0",
-        "distinct:2,-1",
-        "best",
-    ] {
+    assert_eq!(search("start"), Ok(SolutionChoice::One(Search::Start)));
+    assert_eq!(search("all"), Ok(SolutionChoice::All));
+    for bad in ["", "All", "all:3", "best"] {
         assert!(search(bad).is_err(), "{bad}");
     }
 }

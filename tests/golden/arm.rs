@@ -43,7 +43,7 @@ fn queries(arm: &Arm, seed: u64, count: usize) -> (Vec<Placement<f64>>, Vec<f64>
 fn solved(arm: &Arm, seed: u64, count: usize) -> Vec<Solution> {
     let (targets, starts) = queries(arm, seed, count);
     let queries = targets.iter().zip(starts.chunks(arm.joint_count()));
-    let results = queries.flat_map(|(target, start)| arm.solve_all(*target, start).unwrap());
+    let results = queries.map(|(target, start)| arm.solve(*target, start).unwrap());
     results.collect()
 }
 
@@ -61,9 +61,6 @@ fn search(record: &mut Record) {
     let builder = || Arm::builder(&iiwa, "base", "flange").with_attempts(16);
     let nearest = built(builder().with_search(Search::Nearest));
     record.solutions("nearest", &solved(&nearest, 4, 3));
-    let (k, distance) = (4, 0.4);
-    let distinct = built(builder().with_search(Search::Distinct { k, distance }));
-    record.solutions("distinct", &solved(&distinct, 5, 2));
 }
 
 fn batch(record: &mut Record) {

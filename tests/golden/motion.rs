@@ -9,6 +9,7 @@ use kinopt::motion::trajectory::{Contact, MotionProblem, MotionSolver, RateCost,
 use kinopt::task::Point;
 use support::arms::{floating_nao, robot};
 use support::bones::humanoid;
+use support::retargeted::mean_target_error;
 
 use super::record::{Case, Record};
 
@@ -123,7 +124,7 @@ fn retargeting(record: &mut Record) {
         let found = found.unwrap();
         record.numbers(&format!("{field}.q"), found.q.iter().copied());
         let errors = [
-            found.report.mean_error,
+            mean_target_error(&retargeting, &found),
             found.report.slip,
             found.report.ground_penetration,
         ];

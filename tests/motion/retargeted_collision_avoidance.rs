@@ -77,6 +77,12 @@ fn both_ways(
     (solve(&fitted), solve(&clear))
 }
 
+/// Mean direction error of the limbs, degrees.
+fn mean_angle(found: &Trajectory<RetargetReport>) -> f64 {
+    let limbs = &found.report.score.limbs;
+    limbs.iter().map(|limb| limb.angle.mean).sum::<f64>() / limbs.len() as f64
+}
+
 fn frames(found: &Trajectory<RetargetReport>) -> impl Iterator<Item = &[f64]> {
     found.rows()
 }
@@ -122,9 +128,9 @@ fn hands_pulled_into_the_chest_stay_collision_free() {
         assert!(clear.report.slip < 1e-3, "{} m", clear.report.slip);
         // The avoidance does not keep the hands away: they come nearly as near.
         assert!(
-            clear.report.mean_error < plain.report.mean_error + 0.02,
-            "{}",
-            clear.report.mean_error
+            mean_angle(clear) < mean_angle(plain) + 3.0,
+            "{} degrees",
+            mean_angle(clear)
         );
     }
 }

@@ -33,6 +33,7 @@ pub mod maps;
 pub mod methods;
 pub mod path_steps;
 pub mod random;
+pub mod retargeted;
 pub mod shipped_arms;
 pub mod simd_chains;
 pub mod skins;

@@ -42,6 +42,8 @@ mod placement;
 #[cfg(feature = "bodies")]
 mod playback;
 #[cfg(feature = "bodies")]
+mod posing;
+#[cfg(feature = "bodies")]
 mod problem;
 #[cfg(feature = "recording")]
 mod recording;

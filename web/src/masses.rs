@@ -8,6 +8,8 @@ use crate::model::Model;
 use crate::object;
 use crate::rig::Rig;
 use crate::robot::Robot;
+#[cfg(feature = "gltf")]
+use crate::scene::Scene;
 
 /// Density of flesh, kg/m³.
 const DENSITY: f64 = 1000.0;
@@ -49,6 +51,23 @@ impl Rig {
     pub fn masses(&self) -> Result<FrameMasses, Exception> {
         let masses = self.inner.masses(DENSITY).map_err(raise)?;
         Ok(by_frame(self.inner.skeleton.model(), &masses))
+    }
+}
+
+#[cfg(feature = "gltf")]
+#[wasm_bindgen]
+impl Scene {
+    /// Masses by bone: kilograms by the volume of all meshes at 1000 kg/m³, and the centre of mass in the bone's
+    /// coordinates. Open parts of meshes do not count. The option `masses` of tasks takes them.
+    #[wasm_bindgen(getter)]
+    pub fn masses(&self) -> Result<FrameMasses, Exception> {
+        let scene = &self.inner;
+        let skeleton = scene
+            .armature
+            .turning_skeleton("scene", &scene.turning_bones());
+        let skeleton = skeleton.map_err(raise)?;
+        let masses = scene.masses(&skeleton, DENSITY).map_err(raise)?;
+        Ok(by_frame(skeleton.model(), &masses))
     }
 }
 

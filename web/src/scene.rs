@@ -19,7 +19,7 @@ use crate::view;
 /// Bones, meshes and clips of a glTF file.
 #[wasm_bindgen]
 pub struct Scene {
-    inner: Rc<gltf::Scene>,
+    pub(crate) inner: Rc<gltf::Scene>,
     armature: Armature,
 }
 

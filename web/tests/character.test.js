@@ -86,6 +86,44 @@ test("a capture is played, and dragged from its pose", () => {
     target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
 });
 
+/** A capture of a person in a T-pose with straight limbs, who faces z: name, offset and children. */
+function person() {
+    const leg = (side, x) => [`${side}UpLeg`, [x, -5, 0], [[`${side}Leg`, [0, -45, 0], [[`${side}Foot`, [0, -42, 0],
+        [[`${side}ToeBase`, [0, -8, 15], []]]]]]]];
+    const arm = (side, sign) => [`${side}Arm`, [18 * sign, 12, 0], [[`${side}ForeArm`, [28 * sign, 0, 0],
+        [[`${side}Hand`, [26 * sign, 0, 0], []]]]]];
+    const spine = ["Spine", [0, 10, 0], [["Chest", [0, 20, 0], [arm("Left", 1), arm("Right", -1)]]]];
+    let joints = 0;
+    const text = ([name, offset, children], kind = "JOINT") => {
+        joints += 1;
+        const below = children.length > 0 ? children.map((child) => text(child)).join("") : "End Site\n{\nOFFSET 0 0 1\n}\n";
+        return `${kind} ${name}\n{\nOFFSET ${offset.join(" ")}\nCHANNELS 3 Zrotation Xrotation Yrotation\n${below}}\n`;
+    };
+    const tree = text(["Hips", [0, 100, 0], [leg("Left", 10), leg("Right", -10), spine]], "ROOT");
+    return `HIERARCHY\n${tree}MOTION\nFrames: 1\nFrame Time: 0.1\n${"0 ".repeat(3 * joints)}\n`;
+}
+
+test("knees and elbows are guessed hinges, and bend the right way", () => {
+    const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()));
+    const { skeleton: free } = capture.figure(capture.armature.rest);
+    const hinges = free.guessHinges();
+    assert.deepEqual(Object.keys(hinges).sort(), ["LeftForeArm", "LeftLeg", "RightForeArm", "RightLeg"]);
+    assert.equal(hinges.LeftLeg.source, "body direction");
+    const skeleton = free.withHinges(hinges);
+    assert.deepEqual(Object.keys(skeleton.hinges).sort(), Object.keys(hinges).sort());
+    assert.deepEqual(free.hinges, {});
+    const q = skeleton.model.neutral();
+    const soft = skeleton.holdPostures(["LeftFoot"], q);
+    assert.ok(soft.length > 0 && soft.every((task) => task.kind === "posture"));
+    const point = tasks.point(skeleton.tip("LeftFoot"), [10, 40, 20], { name: "foot" });
+    const problem = Problem.holding(skeleton, ["LeftFoot"], [point, ...soft], q);
+    const solution = new Drag(problem, q).settle();
+    assert.ok(solution.reached, solution.explain());
+    const bend = solution.q[skeleton.model.coordinateNames.indexOf("LeftLeg/bend")];
+    assert.ok(bend > 0.1, `${bend}`);
+    assert.throws(() => free.withHinges({ Knee: hinges.LeftLeg }), /Knee/);
+});
+
 /**
  * A strip of three vertices on two bones; the second bone rotates by a quarter turn in a second. A file and its buffer.
  */

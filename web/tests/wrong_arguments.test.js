@@ -37,7 +37,6 @@ const WRONG = {
     "a buffer": [() => Scene.fromBytes(new ArrayBuffer(8)), /data is of ArrayBuffer, expected a Uint8Array/],
     "a text for bytes": [() => Rig.parse("{}"), /json is a string, expected a Uint8Array/],
     "a number for bytes": [() => MotionCapture.fromBytes(5), /data is a number/],
-    "fewer than no solutions": [() => arm.distinct(target, start, -1), /k is -1, expected a whole number of at least 0/],
     "no time": [() => clip.sample(NaN), /seconds is NaN, expected a number/],
     "no list of frames": [() => new Problem(robot.model, tasks.point("flange", [0, 0, 0])), /tasks is of Object, expected an array/],
     "names that are none": [() => Problem.keepingClear(robot.model, [], shapes, "World", 0.1), /world is a string, expected a World/],

@@ -14,8 +14,12 @@ FOLDER] [--frames N]``. The environment needs kinopt's wheel and requirements-re
 Columns by Pinocchio:
 
 - Frames per second of processor time.
-- Mean position error of limbs after one scale and shift of the whole movement, and mean angle between bones.
+- Mean angle of limbs and of the lines across hips and shoulders to those of the subject, and its 95th percentile.
+- Mean distance of hands and feet from the subject's, each relative to its limb's start and length.
+- Mean position error of the driven links after one scale and shift of the whole movement.
+- Mean angle of feet and hands to the subject's (hands with captured fingers), and tilt of soles in contact.
 - Drift of a toe during foot contacts of the subject: mean and maximum.
+- Largest penetration of level ground by a sole, and frames with more than 1 cm.
 - Root mean square jerk of the joints at a fourth of the rate.
 - Number of values beyond position limits, and of steps beyond velocity limits.
 
@@ -42,10 +46,13 @@ from retargeting_gmr import HEIGHT, Loop
 from retargeting_holosoma import EVERY, Holosoma
 from retargeting_holosoma import HEIGHT as HOLOSOMA_HEIGHT
 from retargeting_holosoma import PERSON as HOLOSOMA_PERSON
-from retargeting_judge import Judge, Movement
+from retargeting_judge import Judge, Movement, Subject
 
-HEAD = ["movement", "solver", "frames", "frames/s", "off, mm", "bones, °", "slip, mm", "worst", "jerk, rad/s³", "beyond limits", "too fast",
+HEAD = ["movement", "solver", "frames", "frames/s", "limbs, °", "95 %", "ends, %", "off, mm", "feet, °", "hands, °", "tilt, °", "slip, mm",
+        "worst", "below, mm", "below, %", "jerk, rad/s³", "beyond limits", "too fast",
         "deep, %", "deepest, mm", "sliding, %", "contacts kept, %"]
+MEASURED = {"limbs": 1, "limbs most": 1, "ends": 1, "off": 1, "feet": 1, "hands": 1, "tilt": 1, "slip": 2, "worst slip": 1, "below": 1,
+            "below share": 1, "jerk": 0, "beyond": 0, "fast": 0}
 DEEP = ["deep", "deepest", "slides", "kept"]
 ROUNDS = 3
 
@@ -65,9 +72,6 @@ class Asked:
         else:
             self.places, self.joints, self.fps = np.load(file)[:frames].astype(float), told["joints"], fps
         self.whole = np.load(file, mmap_mode="r") if not self.own_map else None
-
-    def of(self, drives: dict[str, str]) -> np.ndarray:
-        return self.places[:, [self.joints.index(name) for name in drives]]
 
 
 def by_kinopt(robot: kinopt.Robot, asked: Asked, told: dict, whole: bool, **options) -> tuple[Movement, float, float]:
@@ -102,14 +106,13 @@ def main() -> None:
     print(f"| {' | '.join(HEAD)} |\n|---|---|{'---:|' * (len(HEAD) - 2)}")
 
     for asked in (Asked(file, told, wanted.fps, wanted.unit, wanted.frames) for file in wanted.captures):
-        person = asked.of(limbs)
         task = holosoma.task(asked.whole) if holosoma and asked.whole is not None else None
 
         def say(name: str, movement: Movement, seconds: float, scale: float, every: int) -> None:
-            own = person[::EVERY // every]
-            found = judge.measures(movement, own[:len(movement.q)], every)
-            cells = [asked.name, name, len(movement.q), f"{len(movement.q) / seconds:.0f}", f"{found['off']:.1f}", f"{found['bones']:.1f}",
-                     f"{found['slip']:.2f}", f"{found['worst slip']:.1f}", f"{found['jerk']:.0f}", found["beyond"], found["fast"]]
+            subject = Subject(asked.places[::EVERY // every][:len(movement.q)], asked.joints)
+            found = judge.measures(movement, subject, every)
+            cells = [asked.name, name, len(movement.q), f"{len(movement.q) / seconds:.0f}"]
+            cells += [f"{found[key]:.{digits}f}" for key, digits in MEASURED.items()]
             if task:
                 seen = asked.places[::EVERY]
                 q = movement.q[::every]

@@ -18,6 +18,7 @@ from pathlib import Path
 import mink
 import mujoco
 import numpy as np
+from retargeting_judge import flat_slope
 from scipy.spatial.transform import Rotation
 
 # Settings of GMR's program.
@@ -57,19 +58,23 @@ def body_frames(joints: list[str], at: np.ndarray) -> dict[str, tuple[np.ndarray
         # A straight leg bends about the hips' line; a straight arm bends as it does when it hangs from the chest.
         bend = np.cross(unit(knee - hip), unit(ankle - knee)) + 0.1 * unit(left_hip)
         thigh, shin = frame(z=hip - knee, y=bend), frame(z=knee - ankle, y=bend)
-        # Slope of the line from ankle to toe during foot contact.
-        heights = np.quantile(ankle[:, 2], 0.05) - np.quantile(toe[:, 2], 0.05)
-        slope = np.arcsin(np.clip(heights / np.median(np.linalg.norm(toe - ankle, axis=1)), -0.9, 0.9))
+        slope = flat_slope(ankle, toe)
         raw = frame(x=toe - ankle, y=shin[..., 1])
         sole = np.cos(slope) * raw[..., 0] + np.sin(slope) * raw[..., 2]
         upper, lower = unit(elbow - shoulder), unit(hand - elbow)
         hangs = least_turn(torso[..., 1], -torso[..., 2], upper)
         flex = np.cross(lower, upper) + 0.1 * hangs
         forearm = frame(x=hand - elbow, y=flex)
+        palm = forearm
+        if f"{side}HandMiddle1" in place:
+            # The axis from the thumb's side to the little finger's is that about which the forearm's y axis bends.
+            along = place[f"{side}HandMiddle1"] - hand
+            thumb = place[f"{side}HandIndex1"] - place[f"{side}HandPinky1"]
+            palm = frame(x=along, y=np.cross(thumb, along))
         found |= {
             f"{side}UpLeg": (hip, thigh), f"{side}Leg": (knee, shin),
             f"{side}FootMod": (ankle, frame(x=sole, y=raw[..., 1])), f"{side}Arm": (shoulder, frame(z=-upper, y=flex)),
-            f"{side}ForeArm": (elbow, forearm), f"{side}Hand": (hand, forearm),
+            f"{side}ForeArm": (elbow, forearm), f"{side}Hand": (hand, palm),
         }
     return found
 

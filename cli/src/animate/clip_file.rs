@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::frames::Frames;
 use super::ik_options::IkOptions;
 use super::ik_report::IkReport;
-use crate::animated_armature::{AnimatedArmature, extension};
+use crate::animated_armature::AnimatedArmature;
 use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -251,11 +251,6 @@ fn sampled(
         poses.push(pose.clone());
     }
     Ok(Clip::through_poses(name, armature, &times, &poses)?)
-}
-
-/// Returns `true` if the file extension is `.glb` or `.gltf`.
-pub(super) fn is_gltf(path: &Path) -> bool {
-    matches!(extension(path).as_str(), "glb" | "gltf")
 }
 
 fn print(

@@ -6,6 +6,7 @@ use clap::Args;
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip, EulerClip};
 use kinopt::glam::{DVec3, Vec3};
+use kinopt::io::numpy::NumpyArray;
 use kinopt::io::rig::Rig;
 use kinopt::motion::clip_ik::{ClipIk, KeyframeIk, Reach, ground_speed};
 use kinopt::motion::path::{CartesianPath, QuaternionOrder};
@@ -19,7 +20,7 @@ use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
-use crate::{numpy_file, world_file};
+use crate::{file_access, world_file};
 
 /// Inverse-kinematics requests for the clip.
 #[derive(Args, Debug)]
@@ -238,7 +239,10 @@ fn curve(file: &Path, span: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
     let named = |problem: String| failure!("{}: {problem}", file.display());
     let (times, points): (Option<Vec<f64>>, Vec<DVec3>) = match extension(file).as_str() {
         "npy" => {
-            let array = numpy_file::read(file)?;
+            let array = NumpyArray::from_bytes(
+                &file_access::allowed().read(file)?,
+                &file.display().to_string(),
+            )?;
             let [_, columns @ (3 | 4)] = array.shape[..] else {
                 return Err(named(format!(
                     "an array of shape {:?}: expected points × 3, or points × 4 with the times first",

@@ -15,9 +15,9 @@ use kinopt::skinning::SkinningMethod;
 use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use serde::Serialize;
 
-use self::clip_file::{ClipOptions, is_gltf};
+use self::clip_file::ClipOptions;
 use self::frames::Frames;
-use crate::animated_armature::{AnimatedArmature, extension};
+use crate::animated_armature::{AnimatedArmature, extension, is_scene};
 use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
@@ -42,7 +42,7 @@ Skinning: {\"output\": {\"skinning\": \"dqs\", \"skin_weights\": \"heat\"}} in t
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
 pub(crate) struct Arguments {
-    /// Rig (.json) with keyframes and a mesh, or scene (.glb, .gltf).
+    /// Rig (.json) with keyframes and a mesh, or scene (.glb, .gltf, .vrm).
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
@@ -188,7 +188,7 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         span(clip),
         |time, playback, file| {
             let pose = animated.pose_at(clip, time, playback)?;
-            match scene_file.filter(|_| is_gltf(file.path())) {
+            match scene_file.filter(|_| is_scene(file.path())) {
                 Some(scene_file) => {
                     scene_output::write_posed(scene_file, &pose, skinning, file.path())?
                 }
@@ -216,16 +216,16 @@ impl Arguments {
             return Ok(None);
         };
         let out = options.into.as_deref().or(self.out.as_deref());
-        let Some(out) = out.filter(|out| is_gltf(out) || self.format == Some(MeshFormat::Glb))
+        let Some(out) = out.filter(|out| is_scene(out) || self.format == Some(MeshFormat::Glb))
         else {
             return match options.given() {
                 Some(option) => Err(usage!(
-                    "{option} applies to clips written as .glb or .gltf: --out FILE.glb"
+                    "{option} applies to clips written as .glb, .gltf or .vrm: --out FILE.glb"
                 )),
                 None => Ok(None),
             };
         };
-        if !is_gltf(out) {
+        if !is_scene(out) {
             return Err(usage!(
                 "--out {}: --format glb writes all frames to one file; its name must end in .glb",
                 out.display()

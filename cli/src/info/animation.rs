@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use kinopt::animation::{Armature, Clip};
 use kinopt::counted;
 use kinopt::io::gltf::{Scene, SceneMesh};
+use kinopt::motion::posing::guess_hinges;
 use serde::Serialize;
 
 use crate::animated_armature::{AnimatedArmature, CapturedFrames};
@@ -25,8 +26,23 @@ pub(super) struct Document<'a> {
     /// Only for scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     meshes: Option<Vec<MeshDocument<'a>>>,
+    /// Guessed hinges of knees and elbows.
+    hinges: Vec<HingeDocument>,
     /// Notes of the reader.
     notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct HingeDocument {
+    bone: String,
+    /// Axis in the axes of the bone.
+    axis: [f64; 3],
+    /// Lower and upper bound from rest, degrees.
+    range: [f64; 2],
+    /// Angle between the two segments of the limb at rest, degrees.
+    rest_bend: f64,
+    /// Reason for the axis.
+    source: String,
 }
 
 #[derive(Serialize)]
@@ -102,8 +118,29 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
         clips: animated.clips.iter().map(clip).collect(),
         captured: animated.frames.as_ref().map(captured),
         meshes: scene.map(meshes),
+        hinges: hinges(animated)?,
         notes: &animated.notes,
     })
+}
+
+fn hinges(animated: &AnimatedArmature) -> Outcome<Vec<HingeDocument>> {
+    let AnimatedArmature {
+        file,
+        armature,
+        turning,
+        ..
+    } = animated;
+    let skeleton = armature.turning_skeleton(file.clone(), turning);
+    let skeleton = skeleton.map_err(|error| failure!("{file}: {error}"))?;
+    let guesses = guess_hinges(&skeleton).into_iter();
+    let hinges = guesses.map(|guess| HingeDocument {
+        axis: guess.hinge.axis.to_array(),
+        range: [guess.hinge.limits.lower, guess.hinge.limits.upper].map(f64::to_degrees),
+        rest_bend: guess.rest_bend.to_degrees(),
+        source: guess.source.to_string(),
+        bone: guess.bone,
+    });
+    Ok(hinges.collect())
 }
 
 /// Joints of skins, by bone index.
@@ -177,6 +214,19 @@ pub(super) fn text(document: &Document) -> String {
     }
     for mesh in document.meshes.iter().flatten() {
         lines.push(("mesh", mesh_line(mesh)));
+    }
+    for hinge in &document.hinges {
+        let [lower, upper] = hinge.range;
+        let [x, y, z] = hinge.axis;
+        // Without negative zeros.
+        let [x, y, z, lower, upper] =
+            [x, y, z, lower, upper].map(|v| (1e3 * v).round() / 1e3 + 0.0);
+        let axis = format!("{x:.3} {y:.3} {z:.3}");
+        let HingeDocument { bone, source, .. } = hinge;
+        lines.push((
+            "hinge",
+            format!("{bone} about {axis}, {lower:.1} to {upper:.1} degrees, by {source}"),
+        ));
     }
     for note in document.notes {
         lines.push(("note", note.clone()));

@@ -29,7 +29,7 @@ The column q is the index of a joint in a configuration; fixed joints have none.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb or .gltf.
+    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb, .gltf or .vrm.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 

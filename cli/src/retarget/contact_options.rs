@@ -6,7 +6,7 @@ use kinopt_bindings::problem_file::number_list::not_negative;
 
 /// Thresholds of foot contacts.
 #[derive(Args, Clone, Debug)]
-pub(super) struct ContactOptions {
+pub(crate) struct ContactOptions {
     /// Largest speed of a foot in contact, for legs of 0.9 m. Default: 0.25.
     #[arg(long, value_name = "M/S", value_parser = not_negative)]
     contact_speed: Option<f64>,
@@ -17,7 +17,7 @@ pub(super) struct ContactOptions {
 }
 
 impl ContactOptions {
-    pub(super) fn detection(&self) -> ContactDetection {
+    pub(crate) fn detection(&self) -> ContactDetection {
         let usual = ContactDetection::default();
         usual
             .with_speed(self.contact_speed.unwrap_or(usual.speed))

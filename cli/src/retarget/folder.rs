@@ -7,7 +7,7 @@ use kinopt_bindings::trajectory_file::TrajectoryFormat;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::movement_file::extension_of;
+use super::movement_file::{FormatChoice, extension_of};
 use super::{Arguments, Clip, Job};
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -36,7 +36,9 @@ struct Summary<'a> {
 
 /// Retargets every movement of the source folder. The files in `into` have the names of their sources.
 pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()> {
-    let format = arguments.format.unwrap_or(TrajectoryFormat::Npz);
+    let format = arguments
+        .format
+        .map_or(TrajectoryFormat::Npz, FormatChoice::of_files);
     let job = Job::new(arguments, format)?;
     let folder = MotionFolder::find(&arguments.source, into, extension_of(format))?;
     let movements = folder.begin(&job.folder_query(), arguments.overwrite);

@@ -3,20 +3,29 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::Model;
-use kinopt::motion::retarget::{BodyMap, BodyPart, KnownSkeleton, MapGuess, RetargetError, UpAxis};
+use kinopt::model::Model;
+use kinopt::motion::retarget::{
+    BodyMap, BodyPart, HumanBones, KnownSkeleton, MapGuess, RetargetError, UpAxis,
+};
 
 use super::source::Source;
 use crate::failure::Outcome;
 use crate::file_access;
 use crate::output;
 
-/// Options of the body map.
+/// Choice of the body map.
 #[derive(Args, Debug)]
-pub(super) struct MapOptions {
+pub(crate) struct MapArgument {
     /// Body map .json, or cmu, lafan1, mixamo or smpl. Default: by names.
     #[arg(long, value_name = "FILE|NAME")]
     map: Option<PathBuf>,
+}
+
+/// Options of the body map.
+#[derive(Args, Debug)]
+pub(super) struct MapOptions {
+    #[command(flatten)]
+    pub(super) choice: MapArgument,
 
     /// Write the body map to a file.
     #[arg(long, value_name = "FILE")]
@@ -29,7 +38,7 @@ pub(super) struct MapOptions {
 
 /// Source of the body map.
 #[derive(Debug)]
-pub(super) enum MapChoice {
+pub(crate) enum MapChoice {
     /// Path of the file, and its map.
     Given(String, BodyMap),
     Skeleton(KnownSkeleton),
@@ -41,9 +50,16 @@ impl MapOptions {
     pub(super) fn outputs_map(&self) -> bool {
         self.print_map || self.save_map.is_some()
     }
+}
+
+impl MapArgument {
+    /// File or name of the map, if given.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.map.as_deref()
+    }
 
     /// Reads the body map for the target file.
-    pub(super) fn read(&self, target: &Path) -> Outcome<MapChoice> {
+    pub(crate) fn read(&self, target: &Path) -> Outcome<MapChoice> {
         let Some(given) = &self.map else {
             return Ok(MapChoice::Guessed);
         };
@@ -64,7 +80,7 @@ impl MapOptions {
 
 impl MapChoice {
     /// Body map of the file.
-    pub(super) fn given(&self) -> Option<&BodyMap> {
+    pub(crate) fn given(&self) -> Option<&BodyMap> {
         match self {
             Self::Given(_, map) => Some(map),
             _ => None,
@@ -72,7 +88,7 @@ impl MapChoice {
     }
 
     /// Skeleton that the user named.
-    pub(super) fn skeleton(&self) -> Option<&KnownSkeleton> {
+    pub(crate) fn skeleton(&self) -> Option<&KnownSkeleton> {
         match self {
             Self::Skeleton(skeleton) => Some(skeleton),
             _ => None,
@@ -80,13 +96,26 @@ impl MapChoice {
     }
 
     /// Body map from a capture to a model.
-    pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<MapGuess> {
+    pub(crate) fn of(
+        &self,
+        file: &str,
+        source: &Source,
+        model: &Model,
+        human_bones: HumanBones,
+    ) -> Outcome<MapGuess> {
         let capture = &source.capture;
         let with_file = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
             Self::Given(_, map) => map.clone().completed(capture, model),
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
-            Self::Guessed => BodyMap::guess(capture, model),
+            Self::Guessed => {
+                let mut map = BodyMap::default();
+                map.human_bones = human_bones;
+                match map.human_bones.is_empty() {
+                    true => BodyMap::guess(capture, model),
+                    false => map.completed(capture, model),
+                }
+            }
         };
         guess.map_err(|error| match self {
             Self::Given(map, _) if self.is_guessed() => {
@@ -97,7 +126,7 @@ impl MapChoice {
     }
 
     /// Reports the origin of a guessed map, and its notes.
-    pub(super) fn report(&self, file: &str, guess: &MapGuess, up: UpAxis) {
+    pub(crate) fn report(&self, file: &str, guess: &MapGuess, up: UpAxis) {
         if self.is_guessed() {
             report_parts(file, guess);
         }
@@ -110,7 +139,7 @@ impl MapChoice {
     }
 
     /// Error with the file that caused it: the map or the source.
-    pub(super) fn failed(&self, file: &str, error: &RetargetError) -> crate::failure::Failure {
+    pub(crate) fn failed(&self, file: &str, error: &RetargetError) -> crate::failure::Failure {
         match (self, error) {
             (Self::Given(map, _), error) if error.is_of_map() => failure!("{map}: {error}"),
             _ => failure!("{file}: {error}"),
@@ -129,7 +158,10 @@ fn report_parts(file: &str, guess: &MapGuess) {
         guess.map.drives.len(),
         BodyPart::ALL.len(),
         source(guess.skeleton, "joints' names"),
-        source(guess.body, "frames' names"),
+        match guess.from_tree {
+            true => "the robot's tree".to_owned(),
+            false => source(guess.body, "frames' names"),
+        },
     ));
 }
 

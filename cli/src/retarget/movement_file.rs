@@ -4,8 +4,9 @@ use std::path::Path;
 
 use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::RetargetReport;
+use kinopt_bindings::motion_file::write_robot_glb;
 use kinopt_bindings::trajectory_file::{
-    Contacts, EXTENSIONS, FigureFile, TrajectoryFormat, TrajectoryTable, write_figure,
+    Contacts, EXTENSIONS, FigureFile, TableLayout, TrajectoryFormat, TrajectoryTable, write_figure,
 };
 
 use super::target::Target;
@@ -22,10 +23,33 @@ pub(super) fn format_of(path: &Path) -> Outcome<TrajectoryFormat> {
     })
 }
 
-/// Parses `--format`.
-pub(super) fn parse_format(name: &str) -> Result<TrajectoryFormat, String> {
-    let file = Path::new("file").with_extension(name);
-    TrajectoryFormat::of(&file).ok_or_else(|| "expected npz, json, csv, bvh or glb".to_owned())
+/// Value of `--format`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FormatChoice {
+    /// Format of the files of a folder.
+    Files(TrajectoryFormat),
+    /// MuJoCo's `qpos`, in .csv or .npz files.
+    Qpos,
+}
+
+impl FormatChoice {
+    /// Parses `--format`.
+    pub(super) fn parse(name: &str) -> Result<Self, String> {
+        if name == "qpos" {
+            return Ok(Self::Qpos);
+        }
+        let file = Path::new("file").with_extension(name);
+        let format = TrajectoryFormat::of(&file).map(Self::Files);
+        format.ok_or_else(|| "expected npz, json, csv, bvh, glb or qpos".to_owned())
+    }
+
+    /// Format of the files of a folder.
+    pub(super) fn of_files(self) -> TrajectoryFormat {
+        match self {
+            Self::Files(format) => format,
+            Self::Qpos => TrajectoryFormat::Npz,
+        }
+    }
 }
 
 /// File extension of a format, without the dot.
@@ -36,9 +60,9 @@ pub(super) fn extension_of(format: TrajectoryFormat) -> &'static str {
 
 /// Returns an error if the target cannot be written in a format.
 pub(super) fn check(format: TrajectoryFormat, target: &Target) -> Outcome<()> {
-    match format.needs_figure() && target.skeleton().is_none() {
+    match format == TrajectoryFormat::Bvh && target.skeleton().is_none() {
         true => Err(usage!(
-            "{}: .bvh and .glb require a figure; use .npz, .json or .csv for a robot",
+            "{}: .bvh requires a figure; use .npz, .json, .csv or .glb for a robot",
             target.loaded.file
         )),
         false => Ok(()),
@@ -50,12 +74,13 @@ pub(super) fn write(
     format: TrajectoryFormat,
     target: &Target,
     retargeted: &Trajectory<RetargetReport>,
-    (name, header): (&str, bool),
+    name: &str,
+    (header, layout): (bool, TableLayout),
     to: &Path,
 ) -> Outcome<()> {
     let (report, loaded) = (&retargeted.report, &target.loaded);
     let figure = target.figure.as_ref().zip(target.skeleton());
-    if let Some((figure, skeleton)) = figure.filter(|_| format.needs_figure()) {
+    if let Some((figure, skeleton)) = figure.filter(|_| format.has_bones()) {
         let skin = match (format, &loaded.scene, &loaded.capture) {
             (TrajectoryFormat::Glb, None, None) => loaded.skin(None).ok(),
             _ => None,
@@ -78,6 +103,10 @@ pub(super) fn write(
         let motion = (&*retargeted.q, report.frame_rate);
         return Ok(write_figure(figure, file, motion, name, (format, to))?);
     }
+    if format == TrajectoryFormat::Glb {
+        let motion = (&*retargeted.q, report.frame_rate);
+        return Ok(write_robot_glb(&target.robot, motion, name, to)?);
+    }
     let contacts = Contacts {
         frame_rate: report.frame_rate,
         frames: report.contact_frames.clone(),
@@ -90,6 +119,7 @@ pub(super) fn write(
         q: &retargeted.q,
         contacts: Some(&contacts),
         is_free: target.is_free(),
+        layout,
     };
     Ok(table.write(format, header, to)?)
 }

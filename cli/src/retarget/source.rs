@@ -4,14 +4,21 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
-use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
+use kinopt::io::c3d;
+use kinopt::io::numpy::NumpyArray;
+use kinopt::io::smpl::{self, RestJoints};
+use kinopt::motion::retarget::{
+    BodyMap, Capture, JointRotations, KnownSkeleton, RetargetError, UpAxis,
+};
+use kinopt::skeleton::Bone;
+use kinopt::spatial::{Matrix3, Quaternion};
 use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use kinopt_bindings::retarget_folder::FolderSettings;
 
-use crate::animated_armature::{AnimatedArmature, extension};
+use crate::animated_armature::{AnimatedArmature, extension, is_scene};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::{numpy_file, output};
+use crate::{file_access, output};
 
 /// Default frame rate of arrays, per second.
 const ARRAY_RATE: f64 = 120.0;
@@ -20,23 +27,52 @@ const CLIP_RATE: f64 = 60.0;
 
 /// Options of reading a movement.
 #[derive(Args, Debug)]
-pub(super) struct SourceOptions {
+pub(crate) struct SourceOptions {
     /// Frames per second. Default: file or map, else .npy 120, clips 60.
     #[arg(long, value_name = "N", value_parser = number_list::positive)]
-    fps: Option<f64>,
+    pub(crate) fps: Option<f64>,
 
     /// Clip of a scene. Default: the first.
     #[arg(long, value_name = "NAME")]
-    clip: Option<String>,
+    pub(crate) clip: Option<String>,
 
     /// Up axis of the source, y or z. Default: the map's, else detected.
     #[arg(long, value_enum, value_name = "AXIS", hide_possible_values = true)]
-    up: Option<Up>,
+    pub(crate) up: Option<Up>,
+
+    #[command(flatten)]
+    pub(crate) body: BodyOptions,
+}
+
+/// Rest joints of a motion of the SMPL family.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct BodyOptions {
+    /// SMPL motions: body model .npz, or height in m. Default: of the file, else 1.7.
+    #[arg(long, value_name = "FILE|M")]
+    body_model: Option<String>,
+}
+
+impl BodyOptions {
+    fn rest_joints(&self) -> Outcome<RestJoints> {
+        let Some(given) = &self.body_model else {
+            return Ok(RestJoints::Default);
+        };
+        Ok(match given.parse() {
+            Ok(height) => RestJoints::Height(height),
+            Err(_) => RestJoints::BodyModel(smpl::read_body_model(given)?),
+        })
+    }
+
+    /// The options in words, if one is given.
+    fn text(&self) -> Option<String> {
+        let given = self.body_model.as_ref();
+        given.map(|given| format!("body model {given}"))
+    }
 }
 
 /// Up axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Up {
+pub(crate) enum Up {
     Y,
     Z,
 }
@@ -52,9 +88,9 @@ impl From<Up> for UpAxis {
 
 /// Movement and its up axis.
 #[derive(Debug)]
-pub(super) struct Source {
-    pub(super) capture: Capture,
-    pub(super) up: UpAxis,
+pub(crate) struct Source {
+    pub(crate) capture: Capture,
+    pub(crate) up: UpAxis,
 }
 
 impl SourceOptions {
@@ -63,10 +99,11 @@ impl SourceOptions {
         query.frame_rate = self.fps;
         query.clip = self.clip.as_deref();
         query.up = self.up.map(UpAxis::from);
+        query.more.extend(self.body.text());
     }
 
     /// Reads a movement. `map` or `skeleton` supplies the joint names of an array.
-    pub(super) fn read(
+    pub(crate) fn read(
         &self,
         path: &Path,
         map: Option<&BodyMap>,
@@ -75,12 +112,27 @@ impl SourceOptions {
         let file = path.display();
         let with_file = |error: RetargetError| failure!("{file}: {error}");
         let kind = extension(path);
-        if self.clip.is_some() && !matches!(kind.as_str(), "glb" | "gltf") {
-            return Err(usage!("{file}: --clip applies to scenes (.glb, .gltf)"));
+        if self.clip.is_some() && !is_scene(path) {
+            return Err(usage!(
+                "{file}: --clip applies to scenes (.glb, .gltf, .vrm)"
+            ));
         }
         let given_rate = self.fps.or(map.and_then(|map| map.frame_rate));
         let (capture, up) = match kind.as_str() {
-            "bvh" | "glb" | "gltf" => {
+            "npz" => {
+                let motion = smpl::read(path, &self.body.rest_joints()?)?;
+                for note in &motion.notes {
+                    output::message(&format!("note: {file}: {note}"));
+                }
+                let rate = given_rate.unwrap_or(motion.frame_rate);
+                let capture = Capture::of_clip(&motion.armature, &motion.clip, rate);
+                (capture.map_err(with_file)?, UpAxis::Z)
+            }
+            "c3d" => {
+                let markers = c3d::read(path)?;
+                (Capture::of_markers(&markers).map_err(with_file)?, UpAxis::Z)
+            }
+            _ if AnimatedArmature::is_at(path) => {
                 let animated = AnimatedArmature::read(path)?;
                 for note in &animated.notes {
                     output::message(&format!("note: {file}: {note}"));
@@ -93,7 +145,8 @@ impl SourceOptions {
             }
             "json" => (of_rig(path, given_rate.unwrap_or(CLIP_RATE))?, UpAxis::Z),
             "npy" => {
-                let array = numpy_file::read(path)?;
+                let array =
+                    NumpyArray::from_bytes(&file_access::allowed().read(path)?, &file.to_string())?;
                 let names = names(&file.to_string(), &array.shape, map, skeleton)?;
                 if given_rate.is_none() {
                     output::message(&format!(
@@ -106,7 +159,7 @@ impl SourceOptions {
             }
             _ => {
                 return Err(usage!(
-                    "{file}: unsupported extension; expected .npy, .bvh, .glb, .gltf or a rig's .json"
+                    "{file}: unsupported extension; expected .npz, .npy, .c3d, .bvh, .glb, .gltf, .vrm or a rig's .json"
                 ));
             }
         };
@@ -178,16 +231,38 @@ fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
     let frames = ((end - start) * rate + 0.5).floor() as usize + 1;
     let mut q = vec![0.0; skeleton.angles()];
     let mut numbers = Vec::with_capacity(3 * frames * skeleton.bones().len());
+    let rest = skeleton
+        .bones()
+        .iter()
+        .map(|bone| bone.model_from_rest.rotation);
+    let mut rotations = JointRotations {
+        parents: skeleton
+            .bones()
+            .iter()
+            .map(|bone| bone.parent.map(|parent| parent.index()))
+            .collect(),
+        rest_positions: skeleton.bones().iter().map(Bone::rest_tail).collect(),
+        rest_rotations: rest.map(|rotation| quaternion(&rotation)).collect(),
+        rotations: Vec::with_capacity(frames * skeleton.bones().len()),
+    };
     for frame in 0..frames {
         clip.sample(start + frame as f64 / rate, Playback::Hold, &mut q)?;
         let placed = skeleton.pose(&q)?;
-        for bone in skeleton.bone_ids() {
-            numbers.extend(placed.tail(bone)?.to_array());
+        for placement in &placed.model_from_bone {
+            numbers.extend(placement.translation.to_array());
+            rotations.rotations.push(quaternion(&placement.rotation));
         }
     }
     let names = skeleton.bones().iter().map(|bone| bone.name.clone());
     let capture = Capture::new(names.collect(), &numbers, rate);
+    let capture = capture.and_then(|capture| capture.with_rotations(rotations));
     capture.map_err(|error| failure!("{}: {error}", loaded.file))
+}
+
+/// Unit quaternion w, x, y, z of a rotation matrix.
+fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
+    let q = Quaternion::from_matrix(rotation);
+    [q.w, q.v.x, q.v.y, q.v.z]
 }
 
 /// Returns `true` if a source is an array, which needs joint names.

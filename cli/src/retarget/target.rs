@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kinopt::motion::retarget::{FigureTarget, UpAxis};
+use kinopt::motion::retarget::{FigureTarget, HumanBones, UpAxis};
 use kinopt::robot::Robot;
 use kinopt::skeleton::Skeleton;
 use kinopt_bindings::problem_file::ModelSettings;
@@ -27,11 +27,6 @@ impl Target {
     /// Reads a robot with its model options, or a figure on a free base.
     pub(super) fn read(path: &Path, up: Option<Up>, settings: &ModelSettings) -> Outcome<Self> {
         let animated = AnimatedArmature::is_at(path);
-        let up_of_file = match (up, animated) {
-            (Some(up), _) => up.into(),
-            (None, true) => UpAxis::Y,
-            (None, false) => UpAxis::Z,
-        };
         let figure = animated
             || path
                 .extension()
@@ -71,7 +66,10 @@ impl Target {
         let mut loaded = LoadedModel::read(path, &settings)?;
         let lacks = || failure!("{}: the file has no bones", loaded.file);
         let rig = loaded.rig.as_ref().ok_or_else(lacks)?;
-        let figure = FigureTarget::new(&rig.skeleton, up_of_file)?;
+        let usual_up = if animated { UpAxis::Y } else { UpAxis::Z };
+        let detected_up = || FigureTarget::up_axis(&rig.skeleton);
+        let up = up.map(UpAxis::from).or_else(detected_up);
+        let figure = FigureTarget::new(&rig.skeleton, up.unwrap_or(usual_up))?;
         let robot = figure.robot().clone();
         loaded.model = robot.model().clone();
         Ok(Self {
@@ -95,6 +93,14 @@ impl Target {
             "note: {}: the figure is upright along {along}, but the up axis is {up}: --target-up {along} changes it",
             self.loaded.file
         ));
+    }
+
+    /// Table of the human bones of a VRM character; empty for other targets.
+    pub(super) fn human_bones(&self) -> HumanBones {
+        let scene = self.loaded.scene.as_ref();
+        scene
+            .map(|scene| scene.file.human_bones())
+            .unwrap_or_default()
     }
 
     /// Skeleton of a figure.

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use kinopt::arm::Search;
 use kinopt::spatial::Placement;
 use kinopt_bindings::problem_file::ProblemSettings;
 use kinopt_bindings::problem_file::body::Lock;
 use kinopt_bindings::problem_file::interval::Interval;
 use kinopt_bindings::problem_file::number_list::{self, Numbers};
-use kinopt_bindings::problem_file::start::{self, Start};
+use kinopt_bindings::problem_file::start::{self, SolutionChoice, Start};
 use kinopt_bindings::problem_file::target::{FrameTarget, parse_placement};
 
 use crate::collision_options::ObstacleOptions;
@@ -33,7 +32,7 @@ pub(crate) fn with_problem_note(examples: &str) -> String {
 /// Arguments of every solving subcommand.
 #[derive(Args, Debug)]
 pub(crate) struct QueryArguments {
-    /// Robot .urdf or MJCF .xml, rig .json, scene .glb or .gltf, or capture .bvh.
+    /// Robot .urdf or MJCF .xml, rig .json, scene .glb, .gltf or .vrm, or capture .bvh.
     #[arg(value_name = "MODEL")]
     pub(crate) model: PathBuf,
 
@@ -146,9 +145,9 @@ impl ProblemOptions for TipArguments {
 /// Choice among solutions.
 #[derive(Args, Debug)]
 pub(super) struct SearchArgument {
-    /// Solution: start, first, nearest or distinct:K. Default: start.
+    /// Solution: start, first, nearest or all. Default: start.
     #[arg(long, value_name = "CHOICE", value_parser = start::search, help_heading = SEARCH)]
-    search: Option<Search>,
+    search: Option<SolutionChoice>,
 }
 
 impl ProblemOptions for SearchArgument {

@@ -8,6 +8,7 @@ use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 use kinopt_bindings::problem_file::number_list::Numbers;
+use kinopt_bindings::problem_file::start::SolutionChoice;
 use kinopt_bindings::problem_file::{ProblemSettings, SolveSettings};
 
 use super::arguments::ServoOptions;
@@ -29,7 +30,8 @@ use crate::output;
 pub(super) struct ArmBackend<'a> {
     loaded: &'a LoadedModel,
     arm: Arm,
-    search: Search,
+    /// True if all solutions are wanted.
+    finds_all: bool,
     goal_bounds: GoalBounds,
     columns: JointColumns,
     tasks: [TaskName; 1],
@@ -66,7 +68,11 @@ impl<'a> ArmBackend<'a> {
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
             .with_goal(goal_bounds.goal)
-            .with_search(options.search.unwrap_or_default())
+            .with_search(
+                options
+                    .search
+                    .map_or(Search::default(), SolutionChoice::search),
+            )
             .with_global_search_on_miss(options.global_search_on_miss)
             .with_seed(options.rng_seed)
             .with_position_tolerance(length)
@@ -88,7 +94,7 @@ impl<'a> ArmBackend<'a> {
         Ok(Self {
             loaded,
             arm,
-            search: options.search.unwrap_or_default(),
+            finds_all: options.search == Some(SolutionChoice::All),
             goal_bounds,
             columns,
             tasks: [TaskName {
@@ -163,18 +169,21 @@ impl<'a> ArmBackend<'a> {
         Ok(servo)
     }
 
-    /// Distinct solutions, or the closest pose if there is none.
-    fn distinct(&self, query: &Query, start: &[f64]) -> Outcome<Answer> {
+    /// All solutions, nearest first, or the closest pose if there is none.
+    fn all_solutions(&self, query: &Query, start: &[f64]) -> Outcome<Answer> {
         let (started, target) = (Instant::now(), self.target(query));
-        let mut solutions = self.arm.solve_all(target, start)?.into_iter();
+        let all = self.arm.solve_all_from(target, start)?;
+        let complete = all.complete;
+        let micros = Some(microseconds(started));
+        let mut solutions = all.solutions.into_iter();
         let nearest = match solutions.next() {
-            Some(nearest) => nearest,
+            Some(nearest) => self.arm.solve(target, &nearest.q)?,
             None => self.arm.solve(target, start)?,
         };
-        let micros = Some(microseconds(started));
         let alternatives = solutions.map(|solution| self.configuration(query, &solution.q));
         Ok(Answer {
             alternatives: alternatives.collect::<Outcome<_>>()?,
+            complete: Some(complete),
             ..self.answer_of(query, nearest, micros)?
         })
     }
@@ -190,8 +199,8 @@ impl QueryBackend for ArmBackend<'_> {
         _observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
         self.arm.joint_values(&query.start, q_arm)?;
-        if matches!(self.search, Search::Distinct { .. }) {
-            return self.distinct(query, q_arm);
+        if self.finds_all {
+            return self.all_solutions(query, q_arm);
         }
         let started = Instant::now();
         self.arm.solve_into(self.target(query), q_arm, solution)?;

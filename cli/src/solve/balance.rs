@@ -1,6 +1,6 @@
 //! Tasks for the centre of mass of a whole body.
 
-use kinopt::model::{FrameId, Masses};
+use kinopt::model::{FrameId, Masses, ModelError};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
@@ -24,6 +24,16 @@ pub(super) fn up_axis(body: &BodySettings, loaded: &LoadedModel) -> usize {
     }
 }
 
+/// Masses of a scene's bones by the volume of its meshes at rest.
+fn scene_masses(loaded: &LoadedModel) -> Result<Masses, ModelError> {
+    let scene = loaded.scene.as_ref().map(|scene| scene.file.scene());
+    let scene = scene.ok_or_else(|| ModelError::NoVolume("no scene".into()))?;
+    let rest = scene
+        .armature
+        .turning_skeleton("scene", &scene.turning_bones())?;
+    scene.masses(&rest, DENSITY)
+}
+
 /// Tasks of the centre of mass.
 #[derive(Clone, Debug)]
 pub(super) struct Balance {
@@ -43,6 +53,7 @@ impl Balance {
         }
         let masses = match (&loaded.robot, &loaded.rig) {
             (Some(robot), _) => robot.masses(),
+            (None, Some(_)) if loaded.scene.is_some() => scene_masses(loaded),
             (None, Some(rig)) => rig.masses(DENSITY),
             (None, None) => Masses::new(&loaded.model, []),
         };

@@ -12,7 +12,7 @@ use crate::failure::Outcome;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt solve robot.urdf --tip tool --target 0.4,0.1,0.5,0,1,0,0 --search distinct:8
+  kinopt solve robot.urdf --tip tool --target 0.4,0.1,0.5,0,1,0,0 --search all
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --interval z=0..0.05,rz=free
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
 

@@ -25,8 +25,10 @@ pub(super) struct Query {
 pub(super) struct Answer {
     /// Values of all moving joints of the model, in radians and metres.
     pub(super) q: Vec<f64>,
-    /// Further distinct solutions, nearest to the start first.
+    /// Further solutions, nearest to the start first.
     pub(super) alternatives: Vec<Vec<f64>>,
+    /// True if the solutions are a complete set; `None` for a search for one.
+    pub(super) complete: Option<bool>,
     /// Solution of the solver; its `q` may have fewer joints.
     pub(super) solution: Solution,
     /// Solve time in microseconds; `None` for a target that was solved together with others.
@@ -71,6 +73,7 @@ impl Answer {
         Self {
             q,
             alternatives: Vec::new(),
+            complete: None,
             solution,
             micros,
             settled: None,

@@ -29,9 +29,12 @@ pub(super) struct Document<'a> {
     /// Joint names of q, for a robot; given once for several answers.
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
-    /// Further distinct solutions.
+    /// Further solutions.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     alternatives: &'a [Vec<f64>],
+    /// True if the solutions are a complete set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    complete: Option<bool>,
     reached: bool,
     /// True if all required tasks are reached, whether in contact or not.
     goals_reached: bool,
@@ -153,6 +156,7 @@ impl<'a> Report<'a> {
             joints: None,
             notes: Vec::new(),
             alternatives: &self.answer.alternatives,
+            complete: self.answer.complete,
             reached: solution.reached,
             goals_reached: solution.goals_reached(),
             termination: solution.termination.name(),

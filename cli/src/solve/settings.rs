@@ -4,7 +4,7 @@ use kinopt::arm::Search;
 use kinopt::ik::crouched_configuration;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
-use kinopt_bindings::problem_file::start::Start;
+use kinopt_bindings::problem_file::start::{SolutionChoice, Start};
 use kinopt_bindings::problem_file::{BodySettings, ModelSettings, ProblemSettings, SolveSettings};
 
 use super::balance::up_axis;
@@ -203,7 +203,7 @@ impl Job<'_> {
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
             (None, Some("--search")) => Err(usage!(
-                "--search of a {} is start or first; nearest and distinct are for robots",
+                "--search of a {} is start or first; nearest and all are for robots",
                 loaded.kind()
             )),
             (None, Some(option)) => Err(usage!(
@@ -223,7 +223,7 @@ impl Job<'_> {
     fn setting_of_arms(&self, rig: bool, settles: bool) -> Option<&'static str> {
         let solve = &self.problem.solve;
         let searched = match solve.search {
-            Some(Search::Start | Search::First) => !rig,
+            Some(SolutionChoice::One(Search::Start | Search::First)) => !rig,
             search => search.is_some(),
         };
         first_given([

@@ -15,7 +15,7 @@ fn json(path: &str) -> serde_json::Value {
     serde_json::from_str(&text(path)).unwrap()
 }
 
-fn rows(path: &str) -> Vec<Vec<f64>> {
+pub(crate) fn rows(path: &str) -> Vec<Vec<f64>> {
     let text = text(path);
     let row = |line: &str| {
         line.split(',')
@@ -91,6 +91,15 @@ fn csv_table_has_the_learning_format() {
     assert!(text(&csv).starts_with("time,root_joint/x,"));
 }
 
+/// Mean direction error of all limbs, degrees.
+fn mean_direction_error(report: &serde_json::Value) -> f64 {
+    let limbs = list(&report["score"]["limbs"]);
+    let means = limbs
+        .iter()
+        .map(|limb| limb["angle"]["mean"].as_f64().unwrap());
+    means.sum::<f64>() / limbs.len() as f64
+}
+
 #[test]
 fn figures_move_as_the_source() {
     let folder = Folder::new("retarget-figures");
@@ -99,7 +108,7 @@ fn figures_move_as_the_source() {
     for out in [&glb, &bvh] {
         let report = answer!("retarget {rig} {rig} --fps 10 --out {out}");
         // Retargeting of a rig to itself.
-        assert!(report["mean_error"].as_f64().unwrap() < 0.02, "{report}");
+        assert!(mean_direction_error(&report) < 5.0, "{report}");
     }
     // A written file, read again, moves the rig equally. Both formats have y up.
     let named = "humanoid";
@@ -109,15 +118,12 @@ fn figures_move_as_the_source() {
     ] {
         let again = folder.file("again.json");
         let report = answer!("retarget {source} {rig} {options} --out {again}");
-        assert!(
-            report["mean_error"].as_f64().unwrap() < 0.02,
-            "{source}: {report}"
-        );
+        assert!(mean_direction_error(&report) < 5.0, "{source}: {report}");
     }
     // A scene's file gets one more clip, in its own axes.
     let more = folder.file("more.glb");
     let report = answer!("retarget {bvh} {glb} --fps 10 --out {more}");
-    assert!(report["mean_error"].as_f64().unwrap() < 0.03, "{report}");
+    assert!(mean_direction_error(&report) < 5.0, "{report}");
     let info = answer!("info {more}");
     assert_eq!(list(&info["clips"]).len(), 2);
     // The output is upright with y up, although the rig has z up.

@@ -132,7 +132,7 @@ fn invalid_folders_are_rejected() {
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
     refused!("{command}" => 1, "would both be written");
-    refused!("{command} --format glb" => 2, "require a figure");
+    refused!("{command} --format bvh" => 2, "requires a figure");
     refused!("{command} --print-map" => 2, "to one movement");
     assert!(!Path::new(&into).exists());
 }

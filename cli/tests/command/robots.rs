@@ -80,7 +80,7 @@ fn every_search_and_solver_reaches_the_target() {
         "",
         "--search=first",
         "--search=nearest",
-        "--search=distinct:3",
+        "--search=all",
         "--start=random @solve.rng_seed=4",
         "--posture=0,0,0,-1.5,0,1.5,0",
         "@solve.attempts=50 --time-limit=1000",
@@ -102,9 +102,9 @@ fn every_search_and_solver_reaches_the_target() {
         assert_eq!(task["reached"], true);
         assert!(number(&task["orientation_error"]) <= 1e-6);
         assert!(number(&solution["micros"]) > 0.0);
-        if options == "--search=distinct:3" {
+        if options == "--search=all" {
             let others = list(&solution["alternatives"]);
-            assert_eq!(others.len(), 2);
+            assert!(others.len() > 2);
             for other in others {
                 panda.check(&numbers(other), &pose);
                 assert!(distance(&numbers(other), &q) > 0.5);
@@ -194,8 +194,8 @@ fn two_arms_are_solved_together() {
 fn text_output_shows_the_essentials() {
     let panda = Seeded::panda();
     let target = typed("tool", &panda.pose(&panda.configuration(11)));
-    let text = text!("solve {panda} {target} --search=distinct:3");
-    says!(text => "Reached | joint7 | 3 solutions in all | orientation error (rad)");
+    let text = text!("solve {panda} {target} --search=all");
+    says!(text => "Reached | joint7 | solutions in all | orientation error (rad)");
     assert!(!text.contains("finger"), "{text}");
 }
 
@@ -222,7 +222,7 @@ fn wrong_names_and_options_are_rejected() {
     refused!("fk {panda} --base=toool" => 1, "`toool` | did you mean `tool`");
     refused!("solve {panda} {pose} --max-move=1,2" => 2, "--max-move | 7 | joint4 | 9");
     refused!("solve {panda} {pose} --start=1,2" => 2, "--start | joint4");
-    refused!("solve {panda} {pose} --search=best" => 2, "nearest | distinct:K");
+    refused!("solve {panda} {pose} --search=best" => 2, "nearest | all");
     refused!("solve {panda} {pose} --search=first @solve.solver=gauss-newton" => 2, "--search | `solver`");
     refused!("solve {panda} {pose} {both} --search=first" => 2, "--search | 2 targets");
     refused!("solve {panda} {pose} @solve.attempts=0" => 1, "solve: | nonzero");

@@ -114,9 +114,28 @@ impl Classify for kinopt::motion::trajectory::MotionError {
     }
 }
 
+impl Classify for kinopt::motion::posing::StandingDragError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::UnknownBone(_) => ErrorKind::UnknownName,
+            Self::Model(error) => error.kind(),
+            _ => ErrorKind::InvalidValue,
+        }
+    }
+}
+
 impl Classify for kinopt::motion::retarget::RetargetError {
     fn kind(&self) -> ErrorKind {
         unknown_name_if(matches!(self, Self::Name(_)))
+    }
+}
+
+impl Classify for kinopt::motion::score::ScoreError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Map(error) => error.kind(),
+            _ => unknown_name_if(matches!(self, Self::Name(_))),
+        }
     }
 }
 

@@ -9,6 +9,7 @@
 //! - [`problem`]: problems with tasks and targets by name
 //! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
+//! - [`hinges`]: hinges of bones by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`per_joint`]: numbers by joint, as a list, one number or by name
 //! - [`names`]: names of enum variants
@@ -20,6 +21,7 @@
 //! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - `trajectory_file`: files of trajectories
+//! - `motion_file`: files of robot motions, from any program
 //! - [`error`]: kinds of errors
 
 pub mod clip_ik;
@@ -27,9 +29,12 @@ pub mod cones;
 pub mod coordinate_order;
 pub mod coordinates;
 pub mod error;
+pub mod hinges;
 pub mod jobs;
 pub mod json;
 pub mod method;
+#[cfg(feature = "trajectory-files")]
+pub mod motion_file;
 pub mod names;
 pub mod option;
 pub mod parameters;

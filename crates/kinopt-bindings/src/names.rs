@@ -1,7 +1,9 @@
 //! Names of enum variants.
 
 use kinopt::animation::Playback;
-use kinopt::arm::{HeldBy, Search, ServoStatus};
+use kinopt::arm::{
+    Argument, ElbowBranch, HeldBy, Search, ServoStatus, ShoulderBranch, WristBranch,
+};
 use kinopt::ik::{BoundKind, Side};
 use kinopt::model::{LoopKind, UnknownName};
 use kinopt::motion::path::MissReason;
@@ -168,5 +170,44 @@ pub fn miss_reason(reason: &MissReason) -> String {
         }
         MissReason::Touches(pair) => format!("collision of {pair}"),
         _ => "no configuration within the limits was found".to_owned(),
+    }
+}
+
+/// Name of a branch of the shoulder.
+#[must_use]
+pub fn shoulder(branch: ShoulderBranch) -> &'static str {
+    match branch {
+        ShoulderBranch::Left => "left",
+        ShoulderBranch::Right => "right",
+    }
+}
+
+/// Name of a branch of the elbow.
+#[must_use]
+pub fn elbow(branch: ElbowBranch) -> &'static str {
+    match branch {
+        ElbowBranch::Up => "up",
+        ElbowBranch::Down => "down",
+    }
+}
+
+/// Name of a branch of the wrist.
+#[must_use]
+pub fn wrist(branch: WristBranch) -> &'static str {
+    match branch {
+        WristBranch::NoFlip => "no_flip",
+        WristBranch::Flip => "flip",
+    }
+}
+
+/// Name of the argument for the completeness of a solution set; `None` for none.
+#[must_use]
+pub fn argument(argument: &Argument) -> Option<&'static str> {
+    match argument {
+        Argument::SphericalWrist => Some("spherical_wrist"),
+        Argument::SphericalShoulder => Some("spherical_shoulder"),
+        Argument::ThreeParallelAxes => Some("three_parallel_axes"),
+        Argument::UnivariatePolynomial { .. } => Some("univariate_polynomial"),
+        _ => None,
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use kinopt::Arm;
-use kinopt::arm::{Base, Search};
+use kinopt::arm::Base;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options};
 use kinopt_bindings::option::names;
 
@@ -314,19 +314,23 @@ pub unsafe extern "C" fn kinopt_arm_solve_accepted(
     })
 }
 
-/// Finds solutions of one target that differ by at least `distance` radians, nearest to the start first.
+/// Finds all solutions of one target, nearest to the start first.
 ///
-/// Writes up to `capacity` configurations to `q`, one after another, and their number to `count`.
+/// For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, with whole
+/// turns. `complete` then becomes true. Other arms return the solutions that their attempts find.
+///
+/// Writes up to `capacity` configurations to `q`, one after another. `count` becomes the number of solutions, which may
+/// exceed the capacity.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn kinopt_arm_solve_distinct(
+pub unsafe extern "C" fn kinopt_arm_solve_all(
     arm: *const KinoptArm,
     base_from_tool: *const f64,
     start: *const f64,
     start_length: usize,
-    distance: f64,
     q: *mut f64,
     capacity: usize,
     count: *mut usize,
+    complete: *mut bool,
 ) -> KinoptStatus {
     guard(|| unsafe {
         let arm = &pointer::object(arm, "arm")?.inner;
@@ -337,14 +341,11 @@ pub unsafe extern "C" fn kinopt_arm_solve_distinct(
             Failure::invalid(format!("the capacity {capacity} of `q` is not possible"))
         })?;
         let q = pointer::array_mut(q, length, "q")?;
-        let search = Search::Distinct {
-            k: capacity,
-            distance,
-        };
-        let solutions = arm.with_search(search)?.solve_all(target, start)?;
-        for (row, solution) in q.chunks_mut(arm.joint_count().max(1)).zip(&solutions) {
+        let all = arm.solve_all_from(target, start)?;
+        for (row, solution) in q.chunks_mut(arm.joint_count().max(1)).zip(&all.solutions) {
             row.copy_from_slice(&solution.q);
         }
-        pointer::write(count, solutions.len().min(capacity), "count")
+        pointer::write(complete, all.complete, "complete")?;
+        pointer::write(count, all.solutions.len(), "count")
     })
 }

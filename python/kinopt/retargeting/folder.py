@@ -28,8 +28,8 @@ class ClipReport:
     """Output file."""
     frames: int = 0
     """Number of frames; 0 for a file that was done before, or failed."""
-    mean_error: float = 0.0
-    """Mean error as in ``RetargetReport``, metres."""
+    mean_angle: float = 0.0
+    """Mean direction error as in ``RetargetReport``, degrees."""
     slip: float = 0.0
     """Largest drift as in ``RetargetReport``, metres."""
     ground_penetration: float = 0.0
@@ -101,7 +101,7 @@ class FolderJob:
             source,
             out,
             len(retargeted),
-            retargeted.report.mean_error,
+            retargeted.report.mean_angle,
             retargeted.report.slip,
             retargeted.report.ground_penetration,
             notes=retargeted.report.notes,

@@ -79,14 +79,15 @@ class RetargetFollower:
         """The map in use."""
         return self._map
 
-    def step(self, positions: ArrayLike) -> Floats:
+    def step(self, positions: ArrayLike, rotations: ArrayLike | None = None) -> Floats:
         """Processes the next frame: ``positions`` of shape (J, 3); returns the configuration of shape (nq,).
 
-        A frame with a position that is not finite keeps the configuration. The GIL is released.
+        ``rotations`` of shape (J, 4) are those of the joints, as in ``Capture``. Characters use them; without them they
+        get the rotations that the positions determine. A frame with a number that is not finite keeps the configuration. The GIL is released.
 
         Raises ``InvalidValueError`` for another number of joints.
         """
-        return self._live.step(positions)
+        return self._live.step(positions, rotations)
 
 
 __all__ = ["RetargetFollower"]

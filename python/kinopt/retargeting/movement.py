@@ -12,6 +12,7 @@ from .._kinopt import Trajectory
 from .._kinopt.animation import Clip
 from .._kinopt.retargeting import Capture, FigureTarget
 from ..types import Floats
+from .score_report import MotionScore
 from .targets import TargetLike, read_target
 
 
@@ -65,12 +66,12 @@ class RetargetReport:
     """The S frames of the target that are in contact at some time."""
     contact_points: Floats
     """Contact point of each, in its coordinates, shape (S, 3), metres."""
-    errors: Floats
-    """Distance of each driven point from its target, shape (T, K), metres."""
-    driven: list[str]
-    """The K driving joints of the capture, the columns of ``errors``."""
-    mean_error: float
-    """Mean of ``errors``, metres."""
+    score: MotionScore
+    """Figures next to the person: direction errors of the limbs, position errors of hands and feet, and more."""
+    limb_angles: Floats
+    """Angle between each limb of the subject and of the target, shape (T, L), degrees."""
+    limbs: list[str]
+    """The L limbs, the columns of ``limb_angles``."""
     slip: float
     """Largest drift of a contact from its initial position, metres."""
     ground_penetration: float
@@ -87,20 +88,26 @@ class RetargetReport:
     """The map in use."""
     notes: list[str]
     """Notes on a guessed map, for review, and on an upward axis of the target other than z."""
+    object_poses: Floats
+    """Pose of the held object in each frame, shape (T, 7): metres, quaternion w, x, y, z; shape (0, 7) without one."""
     capture: Capture
     """The capture."""
 
     def __repr__(self) -> str:
         return (
-            f"RetargetReport({self.fps:g} fps, mean_error={self.mean_error:.4g}, slip={self.slip:.2g}, "
+            f"RetargetReport({self.fps:g} fps, mean direction error {self.mean_angle:.2f}°, slip={self.slip:.2g}, "
             f"{len(self.notes)} notes)"
         )
 
-    def missed(self, tolerance: float) -> dict[str, NDArray[np.intp]]:
-        """Frames in which a driven point is farther than ``tolerance`` from its target, by its driving joint. The unit
-        is the model's: metres for a robot."""
-        is_missed = self.errors > tolerance
-        return {name: np.flatnonzero(is_missed[:, k]) for k, name in enumerate(self.driven) if is_missed[:, k].any()}
+    @property
+    def mean_angle(self) -> float:
+        """Mean direction error of all limbs, degrees; 0 without limbs."""
+        return float(self.limb_angles.mean()) if self.limb_angles.size else 0.0
+
+    def missed(self, degrees: float) -> dict[str, NDArray[np.intp]]:
+        """Frames in which the direction of a limb differs from the subject's by more than ``degrees``, by limb."""
+        is_missed = self.limb_angles > degrees
+        return {name: np.flatnonzero(is_missed[:, k]) for k, name in enumerate(self.limbs) if is_missed[:, k].any()}
 
 
 def to_clip(motion: Trajectory[RetargetReport], target: TargetLike, name: str = "retargeted") -> Clip:

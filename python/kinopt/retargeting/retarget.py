@@ -11,11 +11,13 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import progress as bars
-from .._kinopt import SceneFile, Trajectory, World
+from .._kinopt import MotionCapture, SceneFile, Trajectory, World
 from .._kinopt.retargeting import Capture, FigureTarget, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching
+from .score_report import score_of_json
 from .sources import Source, read_capture
+from .surroundings import HeldObjectLike, TerrainLike, held_object_json, terrain_json
 from .targets import Target, TargetLike, read_target
 
 
@@ -51,6 +53,10 @@ def retarget_request(
             # The argument has priority over the map.
             parsed_map = {**parsed_map, "up": up}
         up = parsed_map.get("up")
+    source_notes: list[str] = []
+    if isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".npz"):
+        source = MotionCapture.read_smpl(source)
+        source_notes = source.notes
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
     target = read_target(target)
     notes: list[str] = []
@@ -60,7 +66,7 @@ def retarget_request(
     else:
         with naming(map):
             parsed_map, notes = completed(parsed_map, capture, target)
-    return RetargetRequest(capture, target, parsed_map, notes, options)
+    return RetargetRequest(capture, target, parsed_map, [*source_notes, *notes], options)
 
 
 def retarget(
@@ -79,6 +85,8 @@ def retarget(
     contact_speed: float | None = None,
     contact_height: float | None = None,
     acceleration: float | None = None,
+    terrain: TerrainLike | None = None,
+    held_object: HeldObjectLike | None = None,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Trajectory[RetargetReport]:
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
@@ -106,6 +114,13 @@ def retarget(
     avoid collisions with, and with itself, by ``margin``. It is in metres at the scale of the robot; obstacles of the
     subject scale by ``stride``. Feet are in contact with obstacles as with the ground.
 
+    ``terrain`` moves the motion onto steps and slopes, in metres in the world of the target: a dict ``{"patches":
+    [{"centre": [x, y, z], "size": [along, across], "heading": 0.0, "slope": 0.0}]}``, or its .json file. Feet tilt with
+    the ground (angles in radians), and heights follow it. ``held_object`` is a box or a ball that the subject holds:
+    ``{"shape": {"box": [x, y, z]}, "poses": (T, 7)}`` with x, y, z, quaternion w, x, y, z of its centre in each frame, in
+    the unit and axes of the capture, or ``{"shape": {"ball": radius}, ...}``. Hands near it keep their places on the
+    target's object, whose shape is ``model_shape`` (else scaled by ``stride``) and whose poses are ``object_poses``.
+
     ``progress``: True shows a tqdm bar; a function is called with the number of finished frames and of all frames.
     Ctrl-C interrupts the computation. The GIL is released.
 
@@ -126,6 +141,8 @@ def retarget(
         keep_clear=keep_clear,
         world=world,
         margin=margin,
+        terrain=terrain_json(terrain),
+        held_object=held_object_json(held_object),
     )
     with naming(map):
         parts = capture_retargeted(
@@ -136,9 +153,9 @@ def retarget(
             request.options,
             bars.bar() if progress is True else progress or None,
         )
-    q, names, contacts, (contact_frames, contact_points), errors, driven, scalars, limits, touching, lost_contacts, base = parts
+    q, names, contacts, (contact_frames, contact_points), (angles, limbs), scalars, score, limits, touching, lost_contacts, base, object_poses = parts
     stands_along, has_fixed_base = base
-    mean_error, slip, ground_penetration, stride = scalars
+    slip, ground_penetration, stride = scalars
     notes = list(request.notes)
     if stands_along is not None:
         notes.append("the target is upright along another axis than its upward axis")
@@ -149,9 +166,9 @@ def retarget(
         contacts=contacts,
         contact_frames=contact_frames,
         contact_points=contact_points,
-        errors=errors,
-        driven=driven,
-        mean_error=mean_error,
+        score=score_of_json(score),
+        limb_angles=angles,
+        limbs=limbs,
         slip=slip,
         ground_penetration=ground_penetration,
         stride=stride,
@@ -160,6 +177,7 @@ def retarget(
         touching=[Touching(*pair) for pair in touching],
         map=request.map,
         notes=notes,
+        object_poses=object_poses,
         capture=request.capture,
     )
     # A file cannot be pickled, its figure can.

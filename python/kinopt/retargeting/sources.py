@@ -25,7 +25,7 @@ ARRAY_FPS = 120.0
 CLIP_FPS = 60.0
 #: Largest size of an array file, bytes.
 MAX_BYTES = 1 << 30
-_FILES = ".npy, .bvh, .glb or .gltf"
+_FILES = ".npz, .npy, .c3d, .bvh, .glb, .gltf or .vrm"
 
 
 def read_capture(
@@ -40,9 +40,10 @@ def read_capture(
     """Creates a ``Capture`` of a motion.
 
     ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or
-    "smpl") in its order. It may also be a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file.
-    ``clip`` names one of a file's clips (None: the first). ``fps``: the frame rate of an array (None: 120), or the
-    sampling rate of any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the
+    "smpl") in its order. It may also be a ``MotionCapture``, a clip, or the path of a .npz (SMPL, as of AMASS), .npy,
+    .c3d (markers), .bvh, .glb, .gltf or .vrm file. A .npz without rest joints gets a default skeleton: see
+    ``MotionCapture.read_smpl``. ``clip`` names one of a file's clips (None: the first). ``fps``: the frame rate of an
+    array (None: 120), or the sampling rate of any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the
     axis from the ankles to the pelvis of an upright subject, else z for arrays and y for animation files.
 
     Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton.
@@ -57,6 +58,8 @@ def read_capture(
         return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up)
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
+        if path.suffix.lower() == ".c3d":
+            return Capture.of_c3d(path, up)
         held = _held_by(path, clip)
         try:
             return read_capture(held, joints=joints, skeleton=skeleton, fps=fps, up=up)
@@ -73,7 +76,9 @@ def _held_by(path: Path, clip: str | None) -> Any:
     kind = path.suffix.lower()
     if kind == ".bvh":
         return MotionCapture.read(path)
-    if kind in (".glb", ".gltf"):
+    if kind == ".npz":
+        return MotionCapture.read_smpl(path)
+    if kind in (".glb", ".gltf", ".vrm"):
         return _clip(path, clip)
     if kind != ".npy":
         raise InvalidValueError(f"{path}: unsupported motion, expected {_FILES}")

@@ -16,7 +16,7 @@ Target: TypeAlias = Union[Model, HasModel, Scene, SceneFile, MotionCapture]
 TargetLike: TypeAlias = Union[Target, str, "os.PathLike[str]"]
 """A target, or its file."""
 
-_FILES = ".urdf, .xml, .mjcf, .glb, .gltf, .bvh or .json"
+_FILES = ".urdf, .xml, .mjcf, .glb, .gltf, .vrm, .bvh or .json"
 
 
 def read_target(target: TargetLike) -> Target:
@@ -29,7 +29,7 @@ def read_target(target: TargetLike) -> Target:
         return Robot.from_urdf(path, base_joint="free")
     if kind in (".xml", ".mjcf"):
         return Robot.from_mjcf(path, base_joint="free")
-    if kind in (".glb", ".gltf"):
+    if kind in (".glb", ".gltf", ".vrm"):
         return SceneFile.read(path)
     if kind == ".bvh":
         return MotionCapture.read(path)

@@ -1,8 +1,8 @@
 //! The arm and its single queries.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
-use kinopt::arm::{Base, Search};
+use kinopt::arm::Base;
 use kinopt::kinematics::Jacobian;
 use kinopt_bindings::option::arm::{apply, options as arm_options};
 use kinopt_bindings::option::check_name;
@@ -12,9 +12,11 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::all_solutions::{AllSolutions, SelfMotion};
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::{Follower, Servo};
+use super::reachability::Reachability;
+use super::{Follower, GoalSetSolution, Servo, goal_set};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::coordinates::Coordinates;
@@ -64,8 +66,6 @@ pub(crate) struct Arm {
     /// Names, limits and units of the numbers of a configuration.
     #[pyo3(get)]
     pub(crate) coordinates: Py<Coordinates>,
-    /// Arm of the last search for distinct solutions, kept for repeated queries.
-    distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
     /// Compiled at the first query.
     jacobian: OnceLock<Pool<Jacobian>>,
 }
@@ -88,22 +88,8 @@ impl Arm {
             tip: self.tip.clone(),
             options: options.unbind(),
             coordinates: self.coordinates.clone_ref(py),
-            distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
-    }
-
-    /// Returns the arm that searches for several solutions.
-    fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
-        let mut cached = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, arm)) = &*cached {
-            if *known == search {
-                return Ok(Arc::clone(arm));
-            }
-        }
-        let arm = Arc::new(self.inner.with_search(search).or_raise()?);
-        *cached = Some((search, Arc::clone(&arm)));
-        Ok(arm)
     }
 
     /// A solution of the arm.
@@ -112,7 +98,7 @@ impl Arm {
     }
 
     /// Returns the given start, or the default one.
-    fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
+    pub(super) fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
                 let start = self.by_position(start, "start")?;
@@ -206,7 +192,6 @@ impl Arm {
             tip,
             options: options.unbind(),
             coordinates,
-            distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
     }
@@ -255,7 +240,7 @@ impl Arm {
         arrays::frozen(py, self.inner.jerk_limits().iter().copied())
     }
 
-    /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or
+    /// The start of `solve`, `solve_batch`, `solve_all`, `track` and `follower` without one, shape (dof,), radians or
     /// metres. It is the state "ready" or "home" of `srdf`, else the middle of each joint's limits. For a joint without
     /// a limit on one side it is the value closest to 0.
     #[getter]
@@ -404,26 +389,93 @@ impl Arm {
         Ok(self.solution(py, solution.or_raise()?))
     }
 
-    /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
-    /// joint distance, radians). The list is empty if the target is not reached. `target` and `start`, shape (dof,), are
+    /// All solutions of one target, nearest to the start first: an `AllSolutions`. `target` and `start`, shape (dof,), are
     /// as in `solve`.
     ///
-    /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
-    #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
-    fn distinct(
+    /// For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, each with
+    /// its whole turns, collision-free if the arm has a world. Other arms return what their attempts find, at least 1e-3 rad apart, or 0.5 rad for a
+    /// redundant arm (weighted joint distance).
+    ///
+    /// Raises `InvalidValueError` as `solve` does.
+    #[pyo3(signature = (target, start = None))]
+    fn solve_all(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = crate::arrays::whole)] k: usize,
-        distance: f64,
-    ) -> PyResult<Vec<Solution>> {
+    ) -> PyResult<AllSolutions> {
         let target = target_of(target, "target", &self.inner.goal())?;
         let start = self.start(start)?;
-        let arm = self.searching(Search::Distinct { k, distance })?;
-        let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
-        let solutions = solutions.into_iter();
-        Ok(solutions.map(|inner| self.solution(py, inner)).collect())
+        let all = interruptible(py, || self.inner.solve_all_from(target, &start))?.or_raise()?;
+        Ok(AllSolutions::new(all, self.inner.joint_count()))
+    }
+
+    /// The self-motions of an arm of seven revolute joints: all curves of configurations that keep the tool at a target,
+    /// as a list of `SelfMotion`, one for each connected component within the limits.
+    ///
+    /// Samples are at most 0.05 rad apart in the largest joint. A closed curve within less than 0.05 rad of two of
+    /// the joints can be missing. The result is None for other arms, and for other goals than the full pose.
+    ///
+    /// Raises `InvalidValueError` for a target that is not a rigid motion to 1e-6.
+    fn self_motions(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<Vec<SelfMotion>>> {
+        let target = target_of(target, "target", &self.inner.goal())?;
+        let motions = interruptible(py, || self.inner.self_motions(target))?.or_raise()?;
+        Ok(motions.map(|motions| motions.into_iter().map(SelfMotion::new).collect()))
+    }
+
+    /// Decides whether any configuration within the joint limits reaches a target: by a solution, or by a proof that
+    /// there is none. `target` and `start` are as in `solve`.
+    ///
+    /// The proof excludes boxes of joint values by bounds on the motion of the arm, at most `max_boxes` of them. A box
+    /// takes some microseconds. Targets near the border of the reachable set need the most, and can remain undecided.
+    /// Collisions count for solutions only. Proofs need at most eight joints without mimic joints, and a goal that is a
+    /// pose, a position, or a pose with a free rotation about an axis.
+    ///
+    /// Raises `InvalidValueError` as `solve` does.
+    #[pyo3(signature = (target, start = None, *, max_boxes = 100_000))]
+    fn reachability(
+        &self,
+        py: Python<'_>,
+        target: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole)] max_boxes: usize,
+    ) -> PyResult<Reachability> {
+        let target = target_of(target, "target", &self.inner.goal())?;
+        let start = self.start(start)?;
+        let answer = interruptible(py, || self.inner.reachability(target, &start, max_boxes))?;
+        let answer = answer.or_raise()?;
+        Ok(Reachability {
+            reachable: answer.is_reachable(),
+            boxes: answer.boxes(),
+            solution: Py::new(py, self.solution(py, answer.into_solution()))?,
+        })
+    }
+
+    /// Solves every target with each of several tools, and ranks the reached ones: `kinopt.solve_goals` for one arm.
+    /// `tools`, shape (M, 4, 4), are placements of the tool in the tip, None for the arm's own tool.
+    ///
+    /// Raises the errors of `kinopt.solve_goals`.
+    #[pyo3(
+        signature = (targets, tools = None, start = None, *, criterion = None, threads = 1),
+        text_signature = "($self, targets, tools=None, start=None, *, criterion='distance', threads=1)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn solve_goals(
+        &self,
+        py: Python<'_>,
+        targets: &Bound<'_, PyAny>,
+        tools: Option<&Bound<'_, PyAny>>,
+        start: Option<&Bound<'_, PyAny>>,
+        criterion: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
+    ) -> PyResult<GoalSetSolution> {
+        let arms = self.with_tools(tools)?;
+        let starts = vec![self.start(start)?; arms.len()];
+        goal_set::solve(py, arms, targets, starts, criterion, threads)
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.

@@ -1,14 +1,20 @@
 //! Arms: single poses, batches, paths, followers and servos.
 
+mod all_solutions;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod batch;
 mod derivative;
 mod follower;
+mod goal_set;
+mod reachability;
 mod servo;
 
+pub(crate) use all_solutions::{AllSolutions, SelfMotion};
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
+pub(crate) use goal_set::{GoalSetSolution, solve_goals};
+pub(crate) use reachability::Reachability;
 pub(crate) use servo::{Servo, ServoStep};

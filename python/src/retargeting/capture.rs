@@ -1,10 +1,13 @@
 //! Motion capture by joint positions.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::retarget::{self, UpAxis};
-use numpy::ndarray::Ix3;
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use kinopt::io::c3d;
+use kinopt::motion::retarget::{self, JointRotations, UpAxis};
+use kinopt::spatial::Vector3;
+use numpy::ndarray::{Ix2, Ix3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::up_axis::up_axis;
@@ -17,7 +20,10 @@ use crate::pickling;
 ///
 /// `positions` of shape (T, J, 3) are those of `joints`, in order, at `fps` frames a second. `up` is the upward axis,
 /// "y" or "z". None selects the axis from the ankles to the pelvis of an upright subject, else z. `bones` are pairs of
-/// joint indices, if known, for drawing.
+/// joint indices, parent first, if known.
+///
+/// `rotations` of shape (T, J, 4) are those of the joints: unit quaternions w, x, y, z from their axes to the world, for
+/// characters. They need `bones`, and `rest`: positions (J, 3) and rotations (J, 4) of the joints in the rest pose.
 ///
 /// Raises `InvalidValueError` for another shape, a duplicate name, and numbers that are not finite, with the frame and
 /// joint.
@@ -28,6 +34,53 @@ pub(crate) struct Capture {
     /// True if `up` was detected, and is not the usual axis of such captures.
     pub(super) is_detected: bool,
     bones: Option<Vec<(usize, usize)>>,
+}
+
+/// Positions and rotations of the joints in the rest pose.
+type RestPose<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Positions and rotations of the joints in the rest pose, as arrays.
+type RestArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// Reads the rotations of joints, which need the pairs of parent and child and a rest pose.
+fn joint_rotations(
+    joints: usize,
+    bones: Option<&[(usize, usize)]>,
+    rotations: &Bound<'_, PyAny>,
+    rest: Option<&RestPose<'_>>,
+) -> PyResult<JointRotations> {
+    let (Some(bones), Some((positions, rest_rotations))) = (bones, rest) else {
+        return Err(invalid("rotations need bones and rest"));
+    };
+    let mut parents = vec![None; joints];
+    for (parent, child) in bones {
+        parents[*child] = Some(*parent);
+    }
+    let quaternions = |numbers: &[f64]| -> Vec<[f64; 4]> {
+        let rows = numbers.chunks_exact(4);
+        rows.map(|q| [q[0], q[1], q[2], q[3]]).collect()
+    };
+    let check = |shape: &[usize], name: &str, width: usize| match shape.ends_with(&[joints, width])
+    {
+        true => Ok(()),
+        false => Err(invalid(format!(
+            "{name} has shape {}, expected (…, {joints}, {width})",
+            arrays::shape_text(shape)
+        ))),
+    };
+    let turned: Numbers<'_, Ix3> = arrays::numbers(rotations, "rotations", "(frames, joints, 4)")?;
+    check(turned.shape(), "rotations", 4)?;
+    let at: Numbers<'_, Ix2> = arrays::numbers(positions, "rest positions", "(joints, 3)")?;
+    check(at.shape(), "rest positions", 3)?;
+    let rest: Numbers<'_, Ix2> = arrays::numbers(rest_rotations, "rest rotations", "(joints, 4)")?;
+    check(rest.shape(), "rest rotations", 4)?;
+    let points = at.chunks_exact(3);
+    Ok(JointRotations {
+        parents,
+        rest_positions: points.map(|at| Vector3::new(at[0], at[1], at[2])).collect(),
+        rest_rotations: quaternions(&rest),
+        rotations: quaternions(&turned),
+    })
 }
 
 impl Capture {
@@ -51,7 +104,11 @@ impl Capture {
 #[pymethods]
 impl Capture {
     #[new]
-    #[pyo3(signature = (positions, joints, fps, up = None, bones = None))]
+    #[pyo3(signature = (positions, joints, fps, up = None, bones = None, rotations = None, rest = None))]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "arguments of a Python constructor"
+    )]
     fn new(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
@@ -59,6 +116,8 @@ impl Capture {
         fps: f64,
         up: Option<&str>,
         bones: Option<Vec<(usize, usize)>>,
+        rotations: Option<&Bound<'_, PyAny>>,
+        rest: Option<RestPose<'_>>,
     ) -> PyResult<Self> {
         let up = up.map(up_axis).transpose()?;
         let beyond = |&&(from, to): &&(usize, usize)| from.max(to) >= joints.len();
@@ -78,12 +137,22 @@ impl Capture {
                 joints.len()
             )));
         }
+        let rotations = rotations.map(|rotations| {
+            joint_rotations(joints.len(), bones.as_deref(), rotations, rest.as_ref())
+        });
+        let rotations = rotations.transpose()?;
         let numbers = &*numbers;
-        let capture = py.detach(|| retarget::Capture::new(joints, numbers, fps));
+        let capture = py.detach(|| {
+            let capture = retarget::Capture::new(joints, numbers, fps)?;
+            match rotations {
+                Some(rotations) => capture.with_rotations(rotations),
+                None => Ok(capture),
+            }
+        });
         Ok(Self::of(capture.or_raise()?, up, UpAxis::Z, bones))
     }
 
-    /// Positions of a clip's bones, at `fps` frames a second from its start to its end. `up` is as in `Capture`; it is
+    /// Positions and rotations of a clip's bones, at `fps` frames a second from its start to its end. `up` is as in `Capture`; it is
     /// y if the body is upright along no axis.
     ///
     /// Raises `InvalidValueError` for a rate that is not positive, and for a clip of a file without frames.
@@ -103,6 +172,19 @@ impl Capture {
         let pairs = ids.filter_map(|bone| Some((bones.parent(bone)?.index(), bone.index())));
         let pairs = Some(pairs.collect());
         Ok(Self::of(capture.or_raise()?, up, UpAxis::Y, pairs))
+    }
+
+    /// Joint centres of the markers of the C3D file `path`: those of Plug-in Gait, or of the CMU data base. The joints
+    /// have the names of SMPL, positions are metres. `up` is as in `Capture`.
+    ///
+    /// Raises `FileError`, `InvalidFileError`, and `InvalidValueError` with the missing markers.
+    #[staticmethod]
+    #[pyo3(signature = (path, up = None))]
+    fn of_c3d(py: Python<'_>, path: PathBuf, up: Option<&str>) -> PyResult<Self> {
+        let up = up.map(up_axis).transpose()?;
+        let markers = py.detach(|| c3d::read(&path)).or_raise()?;
+        let capture = py.detach(|| retarget::Capture::of_markers(&markers));
+        Ok(Self::of(capture.or_raise()?, up, UpAxis::Z, None))
     }
 
     /// Names of the joints.
@@ -138,6 +220,30 @@ impl Capture {
         numbers.reshape([self.inner.frames(), self.inner.names().len(), 3])
     }
 
+    /// Rotations of the joints, shape (T, J, 4), quaternions w, x, y, z; None for a capture of positions.
+    #[getter]
+    fn rotations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
+        let Some(posed) = self.inner.rotations() else {
+            return Ok(None);
+        };
+        let numbers = PyArray1::from_iter(py, posed.rotations.into_iter().flatten());
+        let shape = [self.inner.frames(), self.inner.names().len(), 4];
+        numbers.reshape(shape).map(Some)
+    }
+
+    /// Rest pose: positions (J, 3) and rotations (J, 4) of the joints; None for a capture of positions.
+    #[getter]
+    fn rest<'py>(&self, py: Python<'py>) -> PyResult<Option<RestArrays<'py>>> {
+        let Some(posed) = self.inner.rotations() else {
+            return Ok(None);
+        };
+        let joints = self.inner.names().len();
+        let positions = posed.rest_positions.iter().flat_map(|at| at.to_array());
+        let positions = PyArray1::from_iter(py, positions).reshape([joints, 3])?;
+        let rotations = PyArray1::from_iter(py, posed.rest_rotations.into_iter().flatten());
+        Ok(Some((positions, rotations.reshape([joints, 4])?)))
+    }
+
     fn __len__(&self) -> usize {
         self.inner.frames()
     }
@@ -162,6 +268,8 @@ impl Capture {
                 capture.fps(),
                 capture.up(),
                 capture.bones(),
+                capture.rotations(slf.py())?,
+                capture.rest(slf.py())?,
             ),
         )
     }

@@ -78,7 +78,8 @@ pub(crate) fn write(
 
 /// The bones of a rig, a skeleton, a scene or a motion capture on a free base, rotated to an upright pose.
 ///
-/// `up` is the upward axis of the file: by default "y" for scenes and captures, "z" for rigs and skeletons. The joints
+/// `up` is the upward axis of the file: by default the axis from the ankles to the pelvis at rest, else "y" for scenes
+/// and captures, "z" for rigs and skeletons. The joints
 /// of a scene's skins rotate, and the bones of a capture with rotation channels; without any, all bones rotate. A
 /// pickled figure of a `SceneFile` has its `Scene` only.
 ///
@@ -101,15 +102,15 @@ impl FigureTarget {
             }))
         };
         let of_bones = |bones: &kinopt::Skeleton| {
+            let up = up.or_else(|| retarget::FigureTarget::up_axis(bones));
             let inner = retarget::FigureTarget::new(bones, up.unwrap_or(UpAxis::Z));
             wrap(inner, &Bones::of_skeleton(bones))
         };
         let of_file = |bones: &Bones, turning| {
-            let up = up.unwrap_or(UpAxis::Y);
-            wrap(
-                retarget::FigureTarget::of_armature(bones, &turning, up),
-                bones,
-            )
+            let skeleton = bones.turning_skeleton("figure", &turning).or_raise()?;
+            let up = up.or_else(|| retarget::FigureTarget::up_axis(&skeleton));
+            let inner = retarget::FigureTarget::new(&skeleton, up.unwrap_or(UpAxis::Y));
+            wrap(inner, bones)
         };
         if let Ok(rig) = target.cast::<Rig>() {
             return of_bones(&rig.get().inner.skeleton);

@@ -47,20 +47,32 @@ impl Live {
         arrays::list(py, follower.q())
     }
 
-    /// Processes the next capture frame, shape (J, 3).
+    /// Processes the next capture frame, shape (J, 3), with rotations of shape (J, 4) if they are known.
+    #[pyo3(signature = (positions, rotations = None))]
     fn step<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
+        rotations: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = arrays::rows(positions, "positions", 3)?;
         let points: Vec<Vector3<f64>> = rows
             .chunks_exact(3)
             .map(|at| Vector3::new(at[0], at[1], at[2]))
             .collect();
+        let rotations = rotations.map(|rotations| {
+            let rows = arrays::rows(rotations, "rotations", 4)?;
+            let quaternions = rows.chunks_exact(4).map(|q| [q[0], q[1], q[2], q[3]]);
+            PyResult::Ok(quaternions.collect::<Vec<[f64; 4]>>())
+        });
+        let rotations = rotations.transpose()?;
         let q = py.detach(|| {
             let mut follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
-            follower.step(&points).map(<[f64]>::to_vec)
+            let stepped = match &rotations {
+                Some(rotations) => follower.step_with_rotations(&points, rotations),
+                None => follower.step(&points),
+            };
+            stepped.map(<[f64]>::to_vec)
         });
         Ok(arrays::list(py, &q.or_raise()?))
     }

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use super::capture::Capture;
 use super::request::{raised, read_map, target_of};
 use crate::error::OrRaise;
+use crate::scene::SceneFile;
 
 /// A guessed map: JSON, the known skeleton, the known body, and notes.
 type Guessed = (
@@ -38,8 +39,16 @@ pub(super) fn map_guessed(
     target: &Bound<'_, PyAny>,
 ) -> PyResult<Guessed> {
     let robot = target_of(target)?;
-    let guess = BodyMap::guess(&capture.get().inner, robot.model());
-    guess.or_raise().map(|guess| guessed(guess, capture.get()))
+    let mut map = BodyMap::default();
+    if let Ok(file) = target.cast::<SceneFile>() {
+        map.human_bones = file.try_borrow()?.inner.human_bones();
+    }
+    let (capture, model) = (capture.get(), robot.model());
+    let guess = match map.human_bones.is_empty() {
+        true => BodyMap::guess(&capture.inner, model),
+        false => map.completed(&capture.inner, model),
+    };
+    guess.or_raise().map(|guess| guessed(guess, capture))
 }
 
 /// The map of a known skeleton.

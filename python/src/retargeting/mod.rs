@@ -3,10 +3,12 @@
 mod capture;
 pub(crate) mod figure_target;
 mod folder;
+mod hand;
 mod live;
 mod maps;
 mod movement;
 mod request;
+mod score;
 mod up_axis;
 
 use pyo3::prelude::*;
@@ -21,8 +23,10 @@ pub(crate) mod retargeting {
         capture::Capture,
         figure_target::FigureTarget,
         folder::{folder_begun, unfinished},
+        hand::{LiveHand, hand_map_guessed, hand_retargeted},
         live::Live,
         maps::{map_completed, map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,
+        score::motion_scored,
     };
 }

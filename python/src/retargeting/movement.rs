@@ -8,6 +8,7 @@ use std::time::Duration;
 use kinopt::motion::retarget::{RetargetError, UpAxis};
 use kinopt::motion::trajectory::MotionBound;
 use kinopt::solver::Side;
+use kinopt::spatial::{Placement, Quaternion};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,7 +16,7 @@ use pyo3::types::PyDict;
 use super::capture::Capture;
 use super::request::{RetargetRequest, raised};
 use crate::arrays;
-use crate::error::invalid;
+use crate::error::{OrRaise, invalid};
 
 /// Configurations, and fields of `kinopt.RetargetReport` in their order.
 type MovementParts<'py> = (
@@ -23,13 +24,14 @@ type MovementParts<'py> = (
     Vec<String>,
     Bound<'py, PyAny>,
     (Vec<String>, Bound<'py, PyArray2<f64>>),
-    Bound<'py, PyArray2<f64>>,
-    Vec<String>,
-    (f64, f64, f64, f64),
+    (Bound<'py, PyArray2<f64>>, Vec<String>),
+    (f64, f64, f64),
+    String,
     Vec<(String, &'static str, usize, usize)>,
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String)>,
     (Option<&'static str>, bool),
+    Bound<'py, PyArray2<f64>>,
 );
 
 /// Time between two checks for signals.
@@ -93,6 +95,14 @@ fn while_listening<T: Send>(
     })
 }
 
+/// Position and quaternion w, x, y, z of a pose.
+fn pose_numbers(pose: &Placement<f64>) -> [f64; 7] {
+    let [x, y, z] = pose.translation.to_array();
+    let rotation = Quaternion::from_matrix(&pose.rotation);
+    let [i, j, k] = rotation.v.to_array();
+    [x, y, z, rotation.w, i, j, k]
+}
+
 /// Retargets a capture to a target by a map (JSON).
 #[pyfunction]
 pub(super) fn capture_retargeted<'py>(
@@ -117,25 +127,25 @@ pub(super) fn capture_retargeted<'py>(
         };
         done.done.store(frames, Ordering::Relaxed);
         let has_fixed_base = retargeting.legs_on_fixed_base();
-        let errors = retargeting.errors(&retargeted)?;
+        let angles = retargeting.limb_angles(&retargeted)?;
         let limits = retargeting.active_limits(&retargeted);
-        let driving = retargeting.driving();
+        let limbs = retargeting.limbs();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
+        let object = retargeting.object_poses().to_vec();
         Ok((
             retargeted,
-            errors,
+            angles,
             limits,
-            driving,
+            limbs,
             stride,
             up,
             has_fixed_base,
+            object,
         ))
     })?;
-    let (retargeted, errors, limits, driving, stride, up, has_fixed_base) = retargeted;
-    let driven = driving
-        .iter()
-        .map(|&joint| request.capture.names()[joint].clone());
+    let (retargeted, angles, limits, limbs, stride, up, has_fixed_base, object) = retargeted;
+    let object_poses: Vec<f64> = object.iter().flat_map(pose_numbers).collect();
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
             (MotionBound::Speed, Side::Lower) => "speed down",
@@ -166,14 +176,12 @@ pub(super) fn capture_retargeted<'py>(
             report.contact_frames,
             arrays::list(py, &contact_points).reshape([report.contact_points.len(), 3])?,
         ),
-        arrays::list(py, &errors).reshape([frames, driving.len()])?,
-        driven.collect(),
         (
-            report.mean_error,
-            report.slip,
-            report.ground_penetration,
-            stride,
+            arrays::list(py, &angles).reshape([frames, limbs.len()])?,
+            limbs.into_iter().map(str::to_owned).collect(),
         ),
+        (report.slip, report.ground_penetration, stride),
+        serde_json::to_string(&report.score).or_raise()?,
         limits.collect(),
         touching.collect(),
         lost_contacts.collect(),
@@ -181,5 +189,6 @@ pub(super) fn capture_retargeted<'py>(
             up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
             has_fixed_base,
         ),
+        arrays::list(py, &object_poses).reshape([object.len(), 7])?,
     ))
 }

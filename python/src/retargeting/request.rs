@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use kinopt::collision::{self, Checker};
 use kinopt::motion::retarget::{
-    self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
+    self, BodyMap, FootShapes, HeldObject, RetargetError, RetargetOptions, Retargeting, Terrain,
+    UpAxis,
 };
 use kinopt::robot::Robot;
 use kinopt_bindings::{Arguments, Classify, Value, coordinates, option};
@@ -32,6 +33,14 @@ pub(crate) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     let model = model_of(target)?;
     let robot = Robot::new(kinopt::Model::clone(&model), Vec::new()).or_raise()?;
     Ok(Arc::new(robot))
+}
+
+/// Target of retargeting as a character; `None` for a robot or a model.
+fn character_of(target: &Bound<'_, PyAny>) -> PyResult<Option<retarget::FigureTarget>> {
+    if let Ok(figure) = target.cast::<FigureTarget>() {
+        return Ok(Some(figure.get().inner.clone()));
+    }
+    Ok(FigureTarget::of(target, None)?.map(|figure| figure.inner))
 }
 
 /// Margin of collision avoidance, metres; `None` disables it. `keep_clear` is another name of `margin`.
@@ -113,9 +122,18 @@ pub(super) fn raised(error: RetargetError) -> PyErr {
 pub(super) struct RetargetRequest {
     pub(super) capture: Arc<retarget::Capture>,
     robot: Arc<Robot>,
+    character: Option<retarget::FigureTarget>,
     map: BodyMap,
     options: RetargetOptions,
     checker: Option<Checker>,
+    object: Option<HeldObject>,
+}
+
+/// Text of an option in JSON.
+fn json(options: &Options<'_, '_>, name: &str) -> PyResult<Option<String>> {
+    let value = options.0.get_item(name)?;
+    let value = value.filter(|value| !value.is_none());
+    value.map(|value| value.extract()).transpose()
 }
 
 impl RetargetRequest {
@@ -130,10 +148,21 @@ impl RetargetRequest {
         let requested = Options(requested);
         let mut options = retarget_options(&requested, capture.get().up)?;
         options.shapes = foot_shapes_of(target);
+        let terrain = json(&requested, "terrain")?;
+        options.terrain = terrain
+            .map(|text| Terrain::from_json(&text))
+            .transpose()
+            .map_err(raised)?;
+        let object = json(&requested, "held_object")?;
         Ok(Self {
+            object: object
+                .map(|text| HeldObject::from_json(&text))
+                .transpose()
+                .map_err(raised)?,
             capture: Arc::clone(&capture.get().inner),
             map: read_map(map, &robot)?,
             checker: checker_of(target, &requested)?,
+            character: character_of(target)?,
             robot,
             options,
         })
@@ -142,7 +171,14 @@ impl RetargetRequest {
     /// Fits the capture to the target, with collision avoidance if enabled.
     pub(super) fn fitted(&self) -> Result<Retargeting<'_>, RetargetError> {
         let options = self.options.clone();
-        let fitted = Retargeting::new(&self.robot, &self.map, &self.capture, options)?;
+        let fitted = match &self.character {
+            Some(figure) => Retargeting::onto_character(figure, &self.map, &self.capture, options)?,
+            None => Retargeting::new(&self.robot, &self.map, &self.capture, options)?,
+        };
+        let fitted = match &self.object {
+            Some(object) => fitted.with_object(object, &self.capture)?,
+            None => fitted,
+        };
         Ok(match &self.checker {
             Some(checker) => fitted.keep_clear(checker),
             None => fitted,

@@ -14,7 +14,7 @@ use crate::animation::EulerClip;
 use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
 use crate::file_access::access;
-use crate::masses::{DENSITY, centres};
+use crate::masses::{DENSITY, by_frame, centres};
 use crate::mesh::TriangleMesh;
 use crate::model::Model;
 use crate::pickling;
@@ -260,12 +260,7 @@ impl Rig {
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let masses = py.detach(|| self.inner.masses(DENSITY)).or_raise()?;
-        let (frames, by_frame) = (self.inner.skeleton.model().frames(), PyDict::new(py));
-        for point in masses.points() {
-            let [x, y, z] = point.at.to_array();
-            by_frame.set_item(&frames[point.frame.index()].name, (point.mass, (x, y, z)))?;
-        }
-        Ok(by_frame)
+        by_frame(py, self.inner.skeleton.model(), &masses)
     }
 
     /// Centre of mass: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); in the rig's unit.

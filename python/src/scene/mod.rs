@@ -10,7 +10,7 @@ use std::sync::Arc;
 use kinopt::animation::Armature as Bones;
 use kinopt::io::gltf::{self, Note, WriteOptions};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyType};
+use pyo3::types::{PyBytes, PyDict, PyType};
 
 pub(crate) use self::file::SceneFile;
 pub(crate) use self::mesh::{SceneMesh, Skin};
@@ -19,6 +19,7 @@ use crate::animation::{Armature, Clip};
 use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
 use crate::file_access::access;
+use crate::masses::{DENSITY, by_frame};
 use crate::mesh::TriangleMesh;
 use crate::pickling;
 use crate::skeleton::Skeleton;
@@ -119,6 +120,21 @@ impl Scene {
         let data = text_or_bytes(data, "data")?;
         let scene = parsed(open, |open| gltf::from_bytes(&data, name, open))?;
         Ok(scene.into())
+    }
+
+    /// Mass of each bone by the volume of all meshes, at 1000 kg a cubic metre, as `Rig.masses`. Overlapping meshes count
+    /// once, and open parts such as clothes do not count. Balance tasks use it: `masses=scene.masses`.
+    ///
+    /// Raises `InvalidValueError` without a mesh, and for meshes that are mostly open.
+    #[getter]
+    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let scene = &self.inner;
+        let skeleton = scene
+            .armature
+            .turning_skeleton("scene", &scene.turning_bones());
+        let skeleton = skeleton.or_raise()?;
+        let masses = py.detach(|| scene.masses(&skeleton, DENSITY)).or_raise()?;
+        by_frame(py, skeleton.model(), &masses)
     }
 
     /// A scene of a skeleton, optionally with a `mesh` skinned by `weights`, whose columns are the bones. Bones keep

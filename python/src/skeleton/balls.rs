@@ -368,7 +368,7 @@ impl BallSkeleton {
 }
 
 /// Reads cones of a side file, or of a dict in radians.
-fn cones_of(source: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
+pub(crate) fn cones_of(source: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
     let Some(source) = source else {
         return Ok(Cones::new());
     };

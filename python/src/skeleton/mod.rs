@@ -11,9 +11,9 @@ use kinopt::spatial::Placement;
 use kinopt_bindings::placement::to_rows;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 
-pub(crate) use self::balls::BallSkeleton;
+pub(crate) use self::balls::{BallSkeleton, cones_of};
 pub(crate) use self::bone::{Bone, SkeletonBuilder};
 use crate::arrays::{self, Queries};
 use crate::error::OrRaise;
@@ -21,6 +21,7 @@ use crate::model::Model;
 use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
+use crate::posing;
 
 /// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 256;
@@ -68,6 +69,11 @@ impl Skeleton {
         let bones = self.inner.bones();
         let has_child = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
         self.inner.bone_ids().filter(move |id| !has_child(id))
+    }
+
+    fn holds_of(&self, dragged: &[String]) -> PyResult<kinopt::skeleton::Holds> {
+        let ids = dragged.iter().map(|name| self.inner.bone(name).or_raise());
+        Ok(self.inner.holds(&ids.collect::<PyResult<Vec<_>>>()?))
     }
 
     /// Calls `write` with each pose and its part of the output, without the GIL.
@@ -287,8 +293,7 @@ impl Skeleton {
     ///
     /// Raises `UnknownNameError` for an unknown bone.
     fn holds(&self, dragged: Vec<String>) -> PyResult<std::collections::BTreeMap<&str, Vec<&str>>> {
-        let ids = dragged.iter().map(|name| self.inner.bone(name).or_raise());
-        let holds = self.inner.holds(&ids.collect::<PyResult<Vec<_>>>()?);
+        let holds = self.holds_of(&dragged)?;
         let names = |ids: &[kinopt::skeleton::BoneId]| {
             let bones = self.inner.bones();
             ids.iter()
@@ -301,6 +306,63 @@ impl Skeleton {
             ("ends", names(&holds.ends)),
         ]
         .into())
+    }
+
+    /// Parameter map for a drag of the tips of the `dragged` bones from the angles `q`: the trunk is locked and the spine
+    /// bends by at most 0.7 rad in all. Problems use it: `Problem(skeleton, tasks, parameters=...)`.
+    ///
+    /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for another shape of `q`.
+    fn hold_parameters<'py>(
+        slf: &Bound<'py, Self>,
+        dragged: Vec<String>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let this = slf.get();
+        let q = arrays::vector_of(q, "q", this.inner.angles())?;
+        let holds = this.holds_of(&dragged)?;
+        posing::hold_parameters(slf.py(), slf.as_any(), &holds, &this.inner, &q)
+    }
+
+    /// Posture tasks for a drag of the tips of the `dragged` bones: all bones stay near the angles `q`, and the spine
+    /// with five times the weight of the limbs.
+    ///
+    /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for another shape of `q`.
+    fn hold_postures<'py>(
+        &self,
+        dragged: Vec<String>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let py = q.py();
+        let q = arrays::vector_of(q, "q", self.inner.angles())?;
+        posing::hold_postures(py, &self.holds_of(&dragged)?, &self.inner, &q)
+    }
+
+    /// Hinges by bone: {bone: {"axis": (x, y, z), "range": (lower, upper)}}. The axis is in the axes of the bone, the range
+    /// in radians from rest.
+    #[getter]
+    fn hinges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        posing::named(py, &self.inner.hinges())
+    }
+
+    /// Guessed hinges of knees and elbows, as `hinges`. Each also has "rest_bend", the angle between the two segments of
+    /// the limb in radians, and "source", the reason for its axis.
+    ///
+    /// A limb with a rest bend of 10 degrees or more keeps its plane. In limbs that are almost straight, knees bend
+    /// backward and elbows forward. Feet show where the body faces, else the sides of names do. Both sides get mirrored
+    /// axes.
+    fn guess_hinges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        posing::guessed(py, &self.inner)
+    }
+
+    /// The skeleton with other hinges: a dict as `hinges`, by default the guessed ones, `{}` for none. The bend of a
+    /// hinged bone is the angle about its axis, and both twists are locked.
+    ///
+    /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for a locked bone, an axis of length 0 or an
+    /// empty range.
+    #[pyo3(signature = (hinges = None))]
+    fn with_hinges(&self, hinges: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let hinges = posing::hinges_of(&self.inner, hinges)?;
+        self.inner.with_hinges(&hinges).or_raise().map(Self::from)
     }
 
     /// The skeleton as JSON, which `Skeleton.from_json` reads.

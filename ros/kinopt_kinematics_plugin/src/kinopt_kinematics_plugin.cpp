@@ -323,8 +323,13 @@ bool KinoptKinematicsPlugin::getPositionIK(const std::vector<Pose> &ik_poses, co
         options.lock_redundant_joints || method == kinematics::DiscretizationMethods::NO_DISCRETIZATION;
     const double timeout = default_timeout_ > 0.0 ? default_timeout_ : UNBOUNDED;
     const kinopt::Arm arm = arms_->search.with_bounds(timeout, max_move({}, is_locked));
-    for (const kinopt::Vector &q : arm.solve_distinct(*target, *q_seed, static_cast<size_t>(parameters_.max_solutions),
-                                                      parameters_.solution_distance)) {
+    std::vector<kinopt::Vector> chosen;
+    for (const kinopt::Vector &q : arm.solve_all(*target, *q_seed).solutions) {
+      if (chosen.size() == static_cast<size_t>(parameters_.max_solutions)) break;
+      bool is_apart = true;
+      for (const kinopt::Vector &other : chosen) is_apart &= (q - other).norm() > parameters_.solution_distance;
+      if (!is_apart) continue;
+      chosen.push_back(q);
       solutions.push_back(group_values(q, ik_seed_state));
     }
   } catch (const kinopt::Error &error) {

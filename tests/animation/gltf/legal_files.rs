@@ -212,3 +212,24 @@ fn inverse_bind_matrices_not_finite_are_rejected() {
         }
     }
 }
+
+#[test]
+fn extensions_without_bones_are_noted() {
+    for name in [
+        "VRM",
+        "VRMC_vrm",
+        "MSFT_lod",
+        "KHR_node_visibility",
+        "KHR_texture_transform",
+        "KHR_xmp_json_ld",
+    ] {
+        let lists =
+            format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"scene":0"#);
+        let scene = changed(r#""scene":0"#, &lists);
+        assert_eq!((scene.meshes.len(), scene.clips.len()), (1, 1));
+        assert!(
+            notes(&scene).iter().any(|note| note.contains(name)),
+            "{name}"
+        );
+    }
+}

@@ -1,5 +1,6 @@
 //! Scenes from and to glTF.
 
+mod compressed_files;
 mod external_files;
 mod kept_files;
 mod known_answers;

@@ -88,3 +88,25 @@ fn vertex_without_weights_follows_its_first_joint() {
         .any(|note| note.to_string().contains("2 vertices without weights"));
     assert!(is_noted, "{:?}", scene.notes);
 }
+
+#[test]
+fn repeated_key_times_are_removed() {
+    let mut numbers = Numbers::default();
+    let input = numbers.floats(&[[0.0], [0.5], [0.5], [1.0]]);
+    let output = numbers.floats(&[[1.0_f32; 3], [2.0; 3], [3.0; 3], [4.0; 3]]);
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"name":"hip"}}],"animations":[{{"samplers":[{{"input":{input},"output":{output}}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"scale"}}}}]}}]"#
+    ));
+    let note = scene.notes[0].to_string();
+    assert!(note.contains("1 keys removed"), "{note}");
+    let mut pose = scene.armature.rest().clone();
+    let hold = kinopt::animation::Playback::Hold;
+    let mut cursor = kinopt::animation::Cursor::new();
+    for (time, scale) in [(0.0, 1.0), (0.5, 3.0), (1.0, 4.0)] {
+        scene.clips[0]
+            .sample(time, hold, &mut cursor, &mut pose)
+            .unwrap();
+        let bone = scene.armature.bone("hip").unwrap();
+        assert_eq!(pose.local_of(bone).scale.x, scale);
+    }
+}

@@ -1,4 +1,4 @@
-//! Promise: spheres only accelerate an arm. The nearest and all distinct solutions equal those of an arm that checks
+//! Promise: spheres only accelerate an arm. The nearest and all solutions equal those of an arm that checks
 //! shapes alone, for any sphere resolution.
 
 use kinopt::arm::{Arm, Search};
@@ -12,8 +12,9 @@ use support::random::{Random, cases};
 /// Few attempts, so that all of them can be checked by shapes.
 const ATTEMPTS: u32 = 32;
 
-/// Compares an arm with coarse spheres and one without any on equal targets.
-fn assert_equal_results(search: Search) {
+/// An arm with coarse spheres and one without any give equal solutions.
+#[test]
+fn solutions_do_not_depend_on_spheres() {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
@@ -27,7 +28,7 @@ fn assert_equal_results(search: Search) {
         let mut world = World::new();
         add_boxes(&mut world, &mut random);
         let arms = [&alone, &covered].map(|checker| {
-            let builder = Arm::builder(&robot, "base", "flange").with_search(search);
+            let builder = Arm::builder(&robot, "base", "flange").with_search(Search::Nearest);
             let arm = builder.with_attempts(ATTEMPTS).build().unwrap();
             let checker = checker.clone().with_world(&world).unwrap();
             arm.with_checker(&checker, &rest).unwrap()
@@ -35,34 +36,21 @@ fn assert_equal_results(search: Search) {
         let [goal, start] = [(); 2].map(|()| random.configuration(&arms[0]));
         let target: Placement<f64> = arms[0].base_from_tool(&goal).unwrap();
         let [by_shapes, by_both] = arms.each_ref().map(|arm| {
-            let all = arm.solve_all(target, &start).unwrap();
-            all.into_iter()
-                .filter(|one| one.reached)
-                .collect::<Vec<_>>()
+            let nearest = arm.solve(target, &start).unwrap();
+            let nearest = nearest.reached.then_some(nearest.q);
+            let all = arm.solve_all_from(target, &start).unwrap().solutions;
+            let all = all.into_iter().map(|solution| solution.q);
+            nearest.into_iter().chain(all).collect::<Vec<_>>()
         });
-        let q = |all: &[kinopt::ik::Solution]| all.iter().map(|s| s.q.clone()).collect::<Vec<_>>();
-        assert_eq!(q(&by_shapes), q(&by_both));
-        for solution in &by_both {
+        assert_eq!(by_shapes, by_both);
+        for q in &by_both {
             let mut clear = [false];
-            arms[1].clear_by_spheres(&solution.q, &mut clear).unwrap();
+            arms[1].clear_by_spheres(q, &mut clear).unwrap();
             reported += 1;
             unclear += usize::from(!clear[0]);
         }
     }
     assert!(reported > 5 && unclear > 2, "{unclear} of {reported}");
-}
-
-#[test]
-fn distinct_solutions_do_not_depend_on_spheres() {
-    assert_equal_results(Search::Distinct {
-        k: 16,
-        distance: 0.3,
-    });
-}
-
-#[test]
-fn nearest_solution_does_not_depend_on_spheres() {
-    assert_equal_results(Search::Nearest);
 }
 
 /// A bar that rotates above a post, 0.3 rad from its start.

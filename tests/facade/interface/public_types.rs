@@ -29,7 +29,7 @@ each! { value:
     model::JointId, model::Limits, model::LengthUnit, model::ParameterMap, model::Source,
     model::ParameterMapBuilder<'static>, model::Masses, model::PointMass, model::BallLimits, model::Loop, model::LoopKind,
     Skeleton, skeleton::SkeletonBuilder, skeleton::Bone, skeleton::BoneId, skeleton::Posing,
-    skeleton::BonePlacements, skeleton::Holds,
+    skeleton::BonePlacements, skeleton::Hinge, skeleton::Holds,
     robot::Robot, robot::Mimic, robot::Link, robot::GeometryObject, robot::Geometry, robot::Inertial,
     robot::MjcfReader, robot::UrdfReader, robot::Repair, robot::RepairKind, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
@@ -82,6 +82,8 @@ each! { value:
     io::FileAccess, io::FileLocation, io::bvh::BvhChannel, io::bvh::BvhFormat<'static>, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
+    io::c3d::MarkerCapture, io::numpy::NumpyArchive, io::numpy::NumpyArray, io::smpl::BodyModel, io::smpl::RestJoints, io::smpl::SmplArrays,
+    io::smpl::SmplMotion, io::smpl::SmplNote,
     io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,
 }
 
@@ -90,17 +92,18 @@ each! { value:
     problem::ProblemBuilder<'static>, problem::Scratch, problem::Targets,
     problem::TaskId<task::FramePose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport, ik::OpenLoop, ik::LoopClosure<'static>, ik::LoopGap,
     solver::GaussNewton, solver::LevenbergMarquardt, solver::ProjectedGradient,
-    solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
+    solver::Stopping, solver::Termination, geometric::Ccd, geometric::ElbowBranch, geometric::Fabrik,
     geometric::TwoBone, task::Camera, task::CentreOfMass, task::Distance, task::FrameVelocity,
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
-    arm::ArmBuilder<'static>, arm::PoseBounds, arm::ServoStatus, arm::JointPath<()>,
+    arm::ArmBuilder<'static>, arm::PoseBounds, arm::Reachability, arm::ServoStatus, arm::JointPath<()>,
     simd_ik::Chain, simd_ik::LaneOptions,
 }
 
 each! { value:
-    motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
+    motion::ContactDetection, motion::posing::GuessedHinge, motion::posing::HingeSource,
+    motion::posing::StandingDrag, motion::posing::StandingDragBuilder<'static>, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditReport, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Curve, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
@@ -108,10 +111,19 @@ each! { value:
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,
-    motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
+    motion::retarget::FootShapes, motion::retarget::JointRotations, motion::retarget::LostContact,
+    motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::RetargetReport, motion::retarget::Retargeting<'static>,
     motion::retarget::Touching, motion::retarget::UpAxis,
+    motion::score::CollisionShare, motion::score::EndError, motion::score::FootMotion, motion::score::GroundPenetration,
+    motion::score::Heading, motion::score::JerkScore, motion::score::LimbAngle, motion::score::LimitExcess,
+    motion::score::LostSubjectContact, motion::score::MotionScore, motion::score::MotionScorer<'static>,
+    motion::score::ScoreTerm, motion::score::ScoreWeights, motion::score::Spread,
+    motion::retarget::Touching, motion::retarget::UpAxis, motion::retarget::Terrain, motion::retarget::TerrainPatch,
+    motion::retarget::HeldObject, motion::retarget::ObjectShape, motion::retarget::Finger, motion::retarget::FingerDrive,
+    motion::retarget::HandMap, motion::retarget::HandReport, motion::retarget::HandRetargeting<'static>,
+    motion::retarget::HandFollower,
 }
 
 each! { value:
@@ -121,7 +133,8 @@ each! { value:
 
 each! { value:
     animation::KeyTolerance, animation::ParameterDefault, animation::EulerPoseMap, animation::BallPoseMap,
-    animation::RootMotion, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
+    animation::RootMotion, arm::AllSolutions, arm::Argument, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
+    arm::ArmBranch, arm::ElbowBranch, arm::PoseSolution, arm::SelfMotion, arm::ShoulderBranch, arm::WristBranch,
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
     arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::TimedSpline, motion::Trajectory<()>,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
@@ -158,7 +171,8 @@ each! { error:
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
     robot::RobotFileError, calibration::CalibrationError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
-    motion::path::PathError, motion::retarget::RetargetError,
+    motion::path::PathError, motion::retarget::RetargetError, motion::score::ScoreError, io::smpl::SmplError, io::c3d::MarkerError,
+    motion::posing::StandingDragError,
     robot::ParseIssue,
 }
 

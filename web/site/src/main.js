@@ -338,10 +338,10 @@ element("whole").onclick = async () => {
         const solving = whole.solve(page.asked.files, ({ done, total }) => say(`Whole motion: ${done} of ${total} frames`));
         say("Whole motion…");
         tools();
-        const { movement, meanError, slip } = await solving;
+        const { movement, meanAngle, slip } = await solving;
         if (view !== page.view) return undefined;
-        page.whole = { meanError, slip };
-        say(`Whole motion: mean error ${(1000 * meanError).toFixed(0)} mm, largest drift of a foot contact ${(1000 * slip).toFixed(1)} mm.`);
+        page.whole = { meanAngle, slip };
+        say(`Whole motion: mean direction error ${meanAngle.toFixed(1)}°, largest drift of a foot contact ${(1000 * slip).toFixed(1)} mm.`);
         return await shown("follow", { movement });
     } catch (error) {
         if (view === page.view) say(error.message, error.message !== STOPPED);

@@ -81,7 +81,10 @@ export class RetargetSession {
     whole(report) {
         const options = { ...this.options, whole: true, progress: (done, total) => report({ done, total }) };
         const retargeted = retarget(this.robot, this.clip, undefined, options);
-        return { movement: retargeted.q.slice(), meanError: retargeted.report.meanError, slip: retargeted.report.slip };
+        const { limbs, slip } = retargeted.report;
+        const means = Object.values(limbs).map(({ mean }) => mean);
+        const meanAngle = means.reduce((sum, mean) => sum + mean, 0) / Math.max(means.length, 1);
+        return { movement: retargeted.q.slice(), meanAngle, slip };
     }
 
     rest() {

@@ -39,7 +39,7 @@ test("a robot follows a subject live and as a whole", { skip }, async () => {
 
     await page.locator("#whole").click();
     await page.waitForFunction(() => kinoptPage.whole !== undefined, undefined, { timeout: 120_000 });
-    assert.match(await status(page), /mean error \d+ mm/);
+    assert.match(await status(page), /mean direction error \d+\.\d°/);
     const { slip } = await page.evaluate(() => kinoptPage.whole);
     assert.ok(slip < 0.01);
     await page.locator("#whole").click();

@@ -1,5 +1,6 @@
 //! Pose inverse kinematics of an arm.
 
+mod all_solutions;
 mod batch;
 mod follower;
 mod options;
@@ -187,24 +188,17 @@ impl Arm {
         Ok(batch)
     }
 
-    /// Finds at most `k` solutions (default 16) that differ by at least `distance` radians (default 0.1). The solution
-    /// nearest to the start comes first.
-    pub fn distinct(
+    /// Finds all solutions, nearest to the start first. For six revolute joints the set is complete.
+    #[wasm_bindgen(js_name = solveAll, unchecked_return_type = "AllSolutions")]
+    pub fn solve_all(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
-        #[wasm_bindgen(unchecked_optional_param_type = "number")] k: Option<u32>,
-        #[wasm_bindgen(unchecked_optional_param_type = "number")] distance: Option<f64>,
-    ) -> Result<Vec<Solution>, Exception> {
-        let search = kinopt::arm::Search::Distinct {
-            k: k.unwrap_or(16) as usize,
-            distance: distance.unwrap_or(0.1),
-        };
-        let arm = self.inner.with_search(search).map_err(raise)?;
+    ) -> Result<JsValue, Exception> {
         let target = read(target, "target")?;
         let start = self.start(start)?;
-        let all = arm.solve_all(target, &start).map_err(raise)?;
-        Ok(all.into_iter().map(Solution::from).collect())
+        let all = self.inner.solve_all_from(target, &start).map_err(raise)?;
+        Ok(all_solutions::of(&all))
     }
 
     /// Follows a path of targets on one branch as far as possible. `targets` has their matrices in one list, sixteen

@@ -1,7 +1,7 @@
 //! Retargeting of a whole motion to a robot.
 
 use js_sys::{Float64Array, Function, Uint8Array, Uint32Array};
-use kinopt::motion::{self, retarget::RetargetReport};
+use kinopt::motion::{self, retarget::RetargetReport, score::Spread};
 use wasm_bindgen::prelude::*;
 
 use super::{ClearRetargetingOptions, FOLLOWER_OPTIONS, Mapped, RetargetingOptions};
@@ -14,14 +14,25 @@ use crate::{object, view};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
+/** Mean, 95th percentile and maximum over samples. */
+export interface Spread {
+    mean: number;
+    p95: number;
+    max: number;
+}
+
 /** Errors, contacts and collisions of a retargeted motion. */
 export interface RetargetReport {
     /** Frame rate, in frames a second. */
     fps: number;
     /** Ratio of the step length to that of the subject, metres for each unit of the capture. */
     stride: number;
-    /** Distance of the driven points from their targets, mean over all frames, metres. */
-    meanError: number;
+    /** Angle between each limb of the subject and of the robot, degrees, by the name of the limb. */
+    limbs: Record<string, Spread>;
+    /** Position error of hands and feet, relative to the length of the limb. */
+    ends: Record<string, Spread>;
+    /** Horizontal speed of the feet in contact, m/s; null without known feet. */
+    slidingSpeed: Spread | null;
     /** Largest drift of a contact from its initial position, metres. */
     slip: number;
     /** Frames in collision in spite of collision avoidance. */
@@ -153,10 +164,25 @@ fn report(report: &RetargetReport, stride: f64, map: &str, notes: Vec<String>) -
     let points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     let contacts = report.contacts.iter();
     let contacts: Vec<u8> = contacts.map(|&in_contact| in_contact.into()).collect();
+    let sliding = report.score.feet.as_ref().map(|feet| feet.sliding_speed);
     let fields = object::of([
         ("fps", report.frame_rate.into()),
         ("stride", stride.into()),
-        ("meanError", report.mean_error.into()),
+        (
+            "limbs",
+            spreads(
+                report
+                    .score
+                    .limbs
+                    .iter()
+                    .map(|limb| (&*limb.limb, limb.angle)),
+            ),
+        ),
+        (
+            "ends",
+            spreads(report.score.ends.iter().map(|end| (&*end.end, end.error))),
+        ),
+        ("slidingSpeed", sliding.map_or(JsValue::NULL, spread)),
         ("slip", report.slip.into()),
         ("touching", Uint32Array::from(&*touching).into()),
         ("contactFrames", report.contact_frames.clone().into()),
@@ -166,4 +192,23 @@ fn report(report: &RetargetReport, stride: f64, map: &str, notes: Vec<String>) -
         ("notes", notes.into()),
     ]);
     fields.into()
+}
+
+/// Spread as an object.
+fn spread(spread: Spread) -> JsValue {
+    let fields = [
+        ("mean", spread.mean),
+        ("p95", spread.p95),
+        ("max", spread.max),
+    ];
+    object::of(fields.map(|(name, value)| (name, value.into()))).into()
+}
+
+/// Spreads by name as an object.
+fn spreads<'a>(named: impl Iterator<Item = (&'a str, Spread)>) -> JsValue {
+    let object = object::of([]);
+    for (name, values) in named {
+        object::add(&object, [(name, spread(values))]);
+    }
+    object.into()
 }

@@ -34,6 +34,16 @@ pub fn bone_volumes(
     mesh: &TriangleMesh,
     weights: &SkinWeights,
 ) -> Result<Vec<BoneVolume>, SkinningError> {
+    bone_volumes_within(mesh, weights, MAX_OPEN_FRACTION)
+}
+
+/// As [`bone_volumes`], for a mesh with open parts such as clothes: open columns are left out. An error if they are more
+/// than a fraction `max_open` of all columns.
+pub(crate) fn bone_volumes_within(
+    mesh: &TriangleMesh,
+    weights: &SkinWeights,
+    max_open: f64,
+) -> Result<Vec<BoneVolume>, SkinningError> {
     SizeMismatch::check("weights", weights.vertex_count(), mesh.positions().len())?;
     let Some([low, high]) = mesh.bounding_box() else {
         return Err(SkinningError::OpenMesh);
@@ -64,7 +74,7 @@ pub fn bone_volumes(
         }
     }
     let total_volume: f64 = sums.iter().map(|(volume, _)| volume).sum();
-    if open as f64 > MAX_OPEN_FRACTION * columns as f64 || total_volume <= 0.0 {
+    if open as f64 > max_open * columns as f64 || total_volume <= 0.0 {
         return Err(SkinningError::OpenMesh);
     }
     let volumes = sums.into_iter().map(|(volume, moment)| {

@@ -32,6 +32,7 @@ mod point_handles;
 mod pruning;
 mod shared_scale;
 mod vertices;
+mod volume_masses;
 mod weights;
 
 pub use automatic_weights::AutomaticWeights;
@@ -39,6 +40,8 @@ pub use automatic_weights::AutomaticWeights;
 pub use automatic_weights::HeatWeights;
 pub use blend_shapes::BlendShapes;
 pub use bone_transform::single_precision_transform;
+#[cfg(feature = "gltf")]
+pub(crate) use bone_volumes::bone_volumes_within;
 pub use bone_volumes::{BoneVolume, bone_volumes};
 pub use bounds::BoneBoxes;
 pub use cage::CageBinding;
@@ -54,6 +57,7 @@ pub use packed::{PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights};
 pub use point_handles::PointHandle;
 pub use pruning::Pruning;
 pub use vertices::{PosedVertices, RestVertices};
+pub(crate) use volume_masses::masses_of_volumes;
 pub use weights::{
     Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder, WeightRepair,
 };

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock};
 
+use super::all_solutions::SixRevolute;
 use super::coordinates::Coordinates;
 use super::default_start::middle_of;
 use super::options::Options;
@@ -40,6 +41,8 @@ pub struct Arm {
     pub(super) default_start: Vec<f64>,
     /// Sampled configurations of a chain that the SIMD solver does not support, built on first use.
     pub(super) seeds: OnceLock<SeedTable>,
+    /// Solver of complete sets, compiled on first use; `None` for arms without one.
+    pub(super) six_revolute: OnceLock<Option<Box<SixRevolute>>>,
     /// Collision avoidance, if the arm has a checker.
     #[cfg(feature = "collision")]
     pub(super) collisions:
@@ -86,6 +89,7 @@ impl Arm {
             coordinates,
             names: Arc::new(names),
             seeds: OnceLock::new(),
+            six_revolute: OnceLock::new(),
             #[cfg(feature = "collision")]
             collisions: None,
             workspaces: Workspaces(Mutex::new(vec![Box::new(workspace)])),

@@ -138,7 +138,7 @@ impl ArmBuilder<'_> {
 
     /// Sets the weights of a radian or metre of each joint in joint distances: one positive number per joint.
     ///
-    /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
+    /// Default 1 for all. Used by [`Search::Nearest`], [`Arm::solve_all`] and the posture.
     #[must_use]
     pub fn with_joint_weights(mut self, weights: &[f64]) -> Self {
         self.weights = Some(weights.to_vec());

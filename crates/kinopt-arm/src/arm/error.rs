@@ -152,6 +152,14 @@ pub enum QueryError {
     /// The arm has no [checker](super::Arm::with_checker), so its collisions are unknown.
     #[error("collisions are unknown: the arm was built without a world or a margin")]
     NothingToKeepClearOf,
+    /// A goal set has another number of starts than arms.
+    #[error("{given} starts for {arms} arms: expected one start for each arm")]
+    Starts {
+        /// Number of starts given.
+        given: usize,
+        /// Number of arms.
+        arms: usize,
+    },
     /// The time step of a servo is out of range; a rate in hertz is a common mistake.
     #[error("the time step is {0} s, expected a number above 0 and at most 1 (0.001 for 1 kHz)")]
     TimeStep(f64),

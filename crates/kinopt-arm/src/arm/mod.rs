@@ -21,6 +21,7 @@
 //! ```
 
 mod accepted_solutions;
+mod all_solutions;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod arm_model;
@@ -41,6 +42,7 @@ mod fallback;
 mod follower;
 mod following;
 mod general_solver;
+mod goal_set;
 mod joint_path;
 mod kinematic_path;
 mod local_descent;
@@ -51,6 +53,7 @@ mod options;
 mod pose_problem;
 mod query;
 mod rate_limits;
+mod reachability;
 mod recording;
 mod redundancy;
 mod revolutions;
@@ -66,6 +69,10 @@ mod track;
 mod workspace;
 
 pub use crate::simd_ik::PoseOutcome;
+pub use all_solutions::{
+    AllSolutions, Argument, ArmBranch, ElbowBranch, PoseSolution, SelfMotion, ShoulderBranch,
+    WristBranch,
+};
 pub use arm::Arm;
 pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};
@@ -73,8 +80,10 @@ pub(crate) use continuation::{ChainMotion, Ends};
 pub use derivative::ArmDerivative;
 pub use error::{ArmError, QueryError};
 pub use follower::Follower;
+pub use goal_set::{Criterion, GoalOutcome, GoalSet, GoalSetSolution, GoalStatus};
 pub use joint_path::JointPath;
 pub use kinopt_solver::ik::JointJump;
 pub use kinopt_solver::task::{Axis, PoseBounds};
 pub use options::Search;
+pub use reachability::Reachability;
 pub use servo::{HeldBy, Servo, ServoStatus, ServoStep};

@@ -1,19 +1,15 @@
 //! Searches that compare solutions: the nearest, and several distinct ones.
 
-use super::QueryError;
+use super::all_solutions::collect_complete_set;
 use super::arm::Arm;
-#[cfg(feature = "collision")]
-use super::collision_avoidance::sphere_checks::drop_colliding;
 use super::distances::weighted_distance;
 use super::fallback::finish_first;
 use super::general_solver::append_general_attempts;
-use super::move_bounds::bound_moves;
 use super::query::{Query, attempts_at, needs_only_first_attempt, simd_solver_within};
 use super::recording::{cost_of, judge, outcome_of, record, result_of};
 use super::toward_posture::move_towards_posture;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::simd_ik::{self, PoseOutcome};
-use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::ik::Solution;
 use kinopt_solver::search::SearchResult;
 use kinopt_solver::solver::Termination;
@@ -25,31 +21,23 @@ const TIMED_GROUP_ATTEMPTS: u32 = 8;
 /// Number of the nearest solutions that are moved towards the start.
 const MAX_REFINED_SOLUTIONS: usize = 6;
 
-/// Finds up to `k` solutions of a validated query that are farther than `distance` from each other, nearest first.
-pub(super) fn solve_distinct(
+/// Collects solutions and sorts them by their distance from the start: a complete set, or else those of attempts.
+///
+/// The termination shows if all attempts were run, or if the time limit ended them.
+pub(super) fn collect_solutions(
     arm: &Arm,
-    target: &Placement<f64>,
-    start: &[f64],
-    (k, distance): (usize, f64),
-) -> Result<Vec<Solution>, QueryError> {
-    let query = Query::new(arm, target, start);
-    arm.with_workspace(|workspace| {
-        workspace.set_target(target);
-        bound_moves(arm, workspace, start);
-        let termination = collect_solutions(arm, workspace, &query);
-        #[cfg(feature = "collision")]
-        let termination = match drop_colliding(arm, workspace, &query)? {
-            true => termination,
-            false => Termination::TimeLimit,
-        };
-        Ok(distinct(arm, workspace, k, distance, termination))
-    })?
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+) -> Termination {
+    if collect_complete_set(arm, workspace, query) {
+        rank_by_distance(arm, workspace);
+        return Termination::Reached;
+    }
+    collect_attempts(arm, workspace, query)
 }
 
-/// Runs attempts and sorts those that reach by their distance from the start.
-///
-/// The termination shows if all were run, or if the time limit ended them.
-pub(super) fn collect_solutions(
+/// Runs the attempts of a query and sorts those that reach by their distance from the start.
+pub(super) fn collect_attempts(
     arm: &Arm,
     workspace: &mut ArmWorkspace,
     query: &Query<'_>,
@@ -64,7 +52,6 @@ pub(super) fn collect_solutions_from(
     query: &Query<'_>,
     first_attempt: u32,
 ) -> Termination {
-    let n = arm.joint_count();
     let end = first_attempt.saturating_add(attempts_at(arm, query.target));
     let iterations = arm.options.iterations;
     let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
@@ -86,6 +73,17 @@ pub(super) fn collect_solutions_from(
             break;
         }
     }
+    rank_by_distance(arm, workspace);
+    if query.is_late() && next < end {
+        Termination::TimeLimit
+    } else {
+        Termination::Reached
+    }
+}
+
+/// Sorts the solutions by their distance from the start.
+fn rank_by_distance(arm: &Arm, workspace: &mut ArmWorkspace) {
+    let n = arm.joint_count();
     workspace.ranking.clear();
     for (index, outcome) in workspace.outcomes.iter().enumerate() {
         if outcome.reached {
@@ -97,11 +95,6 @@ pub(super) fn collect_solutions_from(
     // By distance, then by number: no two are equal.
     let ranking = &mut workspace.ranking;
     ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    if query.is_late() && next < end {
-        Termination::TimeLimit
-    } else {
-        Termination::Reached
-    }
 }
 
 /// Continues the first attempt, if it failed, as a search of one attempt does.
@@ -207,37 +200,49 @@ pub(super) fn nearest(
     result
 }
 
-/// The first `k` solutions that are farther than `distance` from those before. `termination` is the termination of
-/// the attempts.
+/// Indices of the first `k` solutions that are farther than `distance` from those before.
+pub(super) fn distinct_ends(
+    arm: &Arm,
+    workspace: &ArmWorkspace,
+    k: usize,
+    distance: f64,
+) -> Vec<usize> {
+    let mut chosen: Vec<usize> = Vec::new();
+    for &(_, index) in &workspace.ranking {
+        if chosen.len() >= k {
+            break;
+        }
+        let q = workspace.attempt_end(index);
+        let is_distinct =
+            |&other: &usize| weighted_distance(arm, q, workspace.attempt_end(other)) > distance;
+        if chosen.iter().all(is_distinct) {
+            chosen.push(index);
+        }
+    }
+    chosen
+}
+
+/// The solutions of [`distinct_ends`]. `termination` is the termination of the attempts.
 pub(super) fn distinct(
     arm: &Arm,
-    workspace: &mut ArmWorkspace,
+    workspace: &ArmWorkspace,
     k: usize,
     distance: f64,
     termination: Termination,
 ) -> Vec<Solution> {
-    let mut chosen: Vec<Solution> = Vec::new();
-    for rank in 0..workspace.ranking.len() {
-        if chosen.len() >= k {
-            break;
-        }
-        let index = workspace.ranking[rank].1;
-        let q = workspace.attempt_end(index);
-        let is_distinct = |other: &Solution| weighted_distance(arm, q, &other.q) > distance;
-        if !chosen.iter().all(is_distinct) {
-            continue;
-        }
+    let ends = distinct_ends(arm, workspace, k, distance).into_iter();
+    let solutions = ends.map(|index| {
         let outcome = &workspace.outcomes[index];
         let mut solution = Solution::default();
-        solution.q.extend_from_slice(q);
+        solution.q.extend_from_slice(workspace.attempt_end(index));
         let result = SearchResult {
             termination,
             ..result_of(arm, outcome)
         };
         record(arm, &result, Errors::of(outcome), &mut solution);
-        chosen.push(solution);
-    }
-    chosen
+        solution
+    });
+    solutions.collect()
 }
 
 /// Iterations of all attempts together.

@@ -25,23 +25,13 @@ pub enum Search {
     Start,
     /// The solution that takes the fewest iterations. If none is found, the result is the best of all attempts.
     First,
-    /// The solution nearest to the start in weighted joint distance, among many attempts.
+    /// The solution nearest to the start in weighted joint distance.
     ///
-    /// For a redundant arm it is then moved towards the start within the null space. It is never farther away than the
+    /// For six revolute joints and a full pose it is the nearest of the [complete set](super::Arm::solve_all), for other
+    /// arms the nearest among many attempts. For a redundant arm it is then moved towards the start within the null space. It is never farther away than the
     /// solution of the attempt from the start. If a time limit cuts the comparison short, the solution ends as
     /// [`TimeLimit`](kinopt_solver::solver::Termination::TimeLimit).
     Nearest,
-    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`.
-    ///
-    /// A time limit is reported as for [`Nearest`](Self::Nearest).
-    Distinct {
-        /// Largest number of solutions, at least 1.
-        k: usize,
-        /// Smallest weighted joint distance of two solutions, exclusive: the root of the sum of (weight · difference)².
-        ///
-        /// In radians for weights of 1. At least 0.
-        distance: f64,
-    },
 }
 
 impl Search {
@@ -55,7 +45,7 @@ impl Search {
 
     /// Returns true if the search compares many attempts.
     pub(super) fn compares(self) -> bool {
-        matches!(self, Self::Nearest | Self::Distinct { .. })
+        self == Self::Nearest
     }
 }
 
@@ -142,10 +132,6 @@ impl Options {
         let iterations = self.iterations.map_or(1.0, f64::from);
         check("iterations", &[iterations], AT_LEAST_ONE)?;
         check("limit_avoidance", &[self.limit_avoidance], NOT_NEGATIVE)?;
-        if let Search::Distinct { k, distance } = self.search {
-            check("distinct k", &[k as f64], AT_LEAST_ONE)?;
-            check("distinct distance", &[distance], NOT_NEGATIVE)?;
-        }
         let check_per_joint = |option, values: &[f64], range| match values.len() == joints.len() {
             true => check(option, values, range),
             false => Err(ArmError::JointCount {
@@ -162,8 +148,8 @@ impl Options {
             check_per_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
             if self.search.compares() {
                 return Err(ArmError::Conflict(
-                    "a posture applies to the searches `Start` and `First`: `Nearest` and `Distinct` \
-                     select by joint displacement",
+                    "a posture applies to the searches `Start` and `First`: `Nearest` selects \
+                     by joint displacement",
                 ));
             }
         }

@@ -5,8 +5,6 @@ use super::arm::Arm;
 use super::batch::outcomes_of_chunks;
 use super::batch::{check_batch_into, outcomes_of_chunk, solve_chunks};
 use super::derivative::{ArmDerivative, derivative};
-use super::multi_solution::solve_distinct;
-use super::options::Search;
 use super::query::Query;
 use super::solve_query::solve_query;
 use super::{PoseOutcome, QueryError};
@@ -50,28 +48,6 @@ impl Arm {
         self.check_query(None, &target, start)?;
         solve_query(self, &Query::new(self, &target, start), solution)?;
         Ok(())
-    }
-
-    /// Finds all solutions that the arm's search prefers, nearest to the start first.
-    ///
-    /// [`Search::Distinct`] gives up to `k` solutions, and none if the target is not reached. The other searches give
-    /// one, reached or not. A reached solution that ends by [`Termination::TimeLimit`](kinopt_solver::solver::Termination::TimeLimit) means that the clock cut the
-    /// comparison short: there may be more or nearer ones.
-    ///
-    /// # Errors
-    /// Returns the errors of [`solve`](Self::solve).
-    pub fn solve_all(
-        &self,
-        base_from_tool: impl Into<Placement<f64>>,
-        start: &[f64],
-    ) -> Result<Vec<Solution>, QueryError> {
-        let target = base_from_tool.into();
-        let Search::Distinct { k, distance } = self.options.search else {
-            return Ok(vec![self.solve(target, start)?]);
-        };
-        self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(None, &target, start)?;
-        solve_distinct(self, &target, start, (k, distance))
     }
 
     /// Solves for many targets; `starts` holds one configuration per target, in sequence.

@@ -4,6 +4,7 @@ use kinopt_kinematics::clock::Instant;
 
 use nalgebra::DMatrix;
 
+use super::all_solutions::SolutionSet;
 use super::options::Options;
 use super::pose_problem::PoseProblem;
 use super::serial_chain::Serial;
@@ -94,6 +95,8 @@ pub(super) struct ArmWorkspace {
     pub(super) second_jacobian: DMatrix<f64>,
     /// Gradient of the cost at the configuration where it was last computed.
     pub(super) gradient: Vec<f64>,
+    /// Buffers of complete solution sets.
+    pub(super) solution_set: SolutionSet,
     /// Configurations found, in sequence.
     pub(super) attempt_ends: Vec<f64>,
     /// Outcomes of the configurations found.
@@ -146,6 +149,7 @@ impl ArmWorkspace {
             linear_residual: [0.0; 6],
             second_jacobian: DMatrix::zeros(6, n),
             gradient: vec![0.0; n],
+            solution_set: SolutionSet::default(),
             attempt_ends: Vec::new(),
             outcomes: Vec::new(),
             ranking: Vec::new(),

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use kinopt::arm::Search;
 use kinopt::collision::MeshUse;
 use kinopt::mesh::TriangleMesh;
 use kinopt::motion::path::QuaternionOrder;
@@ -20,7 +19,7 @@ use super::body::{Centre, Foot, FrameWeight, Lock, NamedLevel};
 use super::interval::Interval;
 use super::methods;
 use super::number_list::{self, Numbers, above_zero, checked, from_zero, limited};
-use super::start::{self, Start};
+use super::start::{self, SolutionChoice, Start};
 use super::target::{FrameTarget, RayTarget};
 use super::text::{text, texts};
 use crate::names::{self, AXES, MIMIC_LIMITS, Names};
@@ -56,6 +55,8 @@ pub struct ModelSettings {
     pub joints: Option<BoneJoints>,
     /// File of swing and twist limits.
     pub cones: Option<PathBuf>,
+    /// Hinges of a scene or a capture; `None` for guessed ones.
+    pub hinges: Option<BoneHinges>,
     /// True to set the rest scales of a scene's bones to 1.
     pub without_scale: bool,
     /// SRDF file.
@@ -101,6 +102,36 @@ pub enum BoneJoints {
     TwistBendTwist,
     /// A ball joint.
     Ball,
+}
+
+/// Hinges of bones.
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(untagged)]
+pub enum BoneHinges {
+    /// A choice by name.
+    Choice(HingeChoice),
+    /// Hinges by bone.
+    ByBone(BTreeMap<String, BoneHinge>),
+}
+
+/// Choice of hinges by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HingeChoice {
+    /// Guessed for knees and elbows.
+    Guessed,
+    /// No hinges.
+    None,
+}
+
+/// Hinge of a bone.
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoneHinge {
+    /// Axis in the axes of the bone.
+    pub axis: [f64; 3],
+    /// Lower and upper bound from rest, degrees.
+    pub range: [f64; 2],
 }
 
 /// Two frames of a loop, with placements on them.
@@ -229,7 +260,7 @@ pub struct SolveSettings {
     pub start: Start,
     /// Choice among solutions.
     #[serde(deserialize_with = "search")]
-    pub search: Option<Search>,
+    pub search: Option<SolutionChoice>,
     /// Largest displacement of each joint from the start.
     pub max_move: Option<Numbers>,
     /// Nominal posture.
@@ -357,7 +388,7 @@ fn start<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Start, D::Error> 
     .map_err(Error::custom)
 }
 
-fn search<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Search>, D::Error> {
+fn search<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SolutionChoice>, D::Error> {
     let text = String::deserialize(deserializer)?;
     start::search(&text).map(Some).map_err(Error::custom)
 }

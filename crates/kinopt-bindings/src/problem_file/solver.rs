@@ -9,6 +9,7 @@ use kinopt::solver::Stopping;
 
 use super::SolveSettings;
 use super::methods;
+use super::start::SolutionChoice;
 use crate::option::solver::SolverOptions;
 
 impl SolveSettings {
@@ -29,7 +30,7 @@ impl SolveSettings {
     pub fn settles(&self) -> bool {
         let plain =
             self.solver.is_none() && self.max_iterations.is_none() && self.max_move.is_none();
-        plain && self.search != Some(Search::First)
+        plain && self.search != Some(SolutionChoice::One(Search::First))
     }
 
     /// Limits of the general solver.

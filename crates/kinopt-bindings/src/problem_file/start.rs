@@ -6,9 +6,6 @@ use kinopt::arm::Search;
 
 use super::number_list::{self, Numbers};
 
-/// Default distance between distinct solutions, in radians (or metres) of joint distance.
-const DISTINCT_DISTANCE: f64 = 0.5;
-
 /// Start configuration of a search.
 #[derive(Clone, Debug, Default)]
 pub enum Start {
@@ -61,25 +58,33 @@ fn begins_with_number(text: &str) -> bool {
     number_list::number(word).is_ok()
 }
 
-/// Parses a choice among solutions: `start`, `first`, `nearest`, `distinct:K` or `distinct:K,D`.
-pub fn search(text: &str) -> Result<Search, String> {
-    match text {
-        "start" => return Ok(Search::Start),
-        "first" => return Ok(Search::First),
-        "nearest" => return Ok(Search::Nearest),
-        _ => {}
+/// Choice among the solutions of a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SolutionChoice {
+    /// The solution that a search prefers.
+    One(Search),
+    /// All solutions.
+    All,
+}
+
+impl SolutionChoice {
+    /// Search of the choice. All solutions need none.
+    #[must_use]
+    pub fn search(self) -> Search {
+        match self {
+            Self::One(search) => search,
+            Self::All => Search::default(),
+        }
     }
-    let Some(numbers) = text.strip_prefix("distinct:") else {
-        return Err("expected start, first, nearest or distinct:K".to_owned());
-    };
-    let (k, distance) = match numbers.split_once(',') {
-        Some((k, distance)) => (k, number_list::not_negative(distance)?),
-        None => (numbers, DISTINCT_DISTANCE),
-    };
-    match k.parse() {
-        Ok(k) if k > 0 => Ok(Search::Distinct { k, distance }),
-        _ => Err(format!(
-            "`{k}` is not a number of solutions; expected 1 or more"
-        )),
+}
+
+/// Parses a choice among solutions: `start`, `first`, `nearest` or `all`.
+pub fn search(text: &str) -> Result<SolutionChoice, String> {
+    match text {
+        "start" => Ok(SolutionChoice::One(Search::Start)),
+        "first" => Ok(SolutionChoice::One(Search::First)),
+        "nearest" => Ok(SolutionChoice::One(Search::Nearest)),
+        "all" => Ok(SolutionChoice::All),
+        _ => Err("expected start, first, nearest or all".to_owned()),
     }
 }

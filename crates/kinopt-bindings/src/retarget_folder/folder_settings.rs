@@ -174,6 +174,7 @@ impl<'a> FolderSettings<'a> {
                 json!([contacts.shortest_s, contacts.lead_s]),
             ),
             ("landing_weight", json!(self.options.landing_weight)),
+            ("terrain", json!(self.options.terrain)),
             ("acceleration", json!(self.options.acceleration)),
             ("tolerance", json!(self.options.tolerance)),
             ("windows", json!([windows.frames, windows.ahead])),

@@ -1,6 +1,7 @@
 //! Motions of a folder, with their output files.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,10 @@ use super::{FolderError, FolderSettings, SETTINGS_FILE};
 use kinopt::io::write_file;
 
 /// File extensions of motions.
-const FILE_EXTENSIONS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
+const FILE_EXTENSIONS: [&str; 7] = ["npy", "npz", "c3d", "bvh", "glb", "gltf", "vrm"];
+
+/// File extension of motions that outputs may have as well.
+const TABLE_EXTENSION: &str = "npz";
 
 /// Prefix of the names of unfinished files.
 const UNFINISHED_PREFIX: &str = ".part.";
@@ -55,9 +59,10 @@ pub struct FolderMotion {
 }
 
 impl MotionFolder {
-    /// Finds the motions in `source` (.npy, .bvh, .glb, .gltf; no hidden files) and determines their output files.
+    /// Finds the motions in `source` (.npy, .npz, .c3d, .bvh, .glb, .gltf, .vrm; no hidden files) and determines their output files.
     ///
-    /// Outputs have the same names in `into` with the extension `ending`. Nothing is written.
+    /// Outputs have the same names in `into` with the extension `ending`. Nothing is written. If `source` is `into` and the
+    /// extension is npz, files with that extension are no motions.
     ///
     /// # Errors
     /// Returns an error if `source` is not a folder, cannot be read, or has no motion. Returns an error if two motions
@@ -69,11 +74,16 @@ impl MotionFolder {
         }
         let output = fs::canonicalize(into).ok();
         let is_into = |folder: &Path| output.is_some() && fs::canonicalize(folder).ok() == output;
-        if FILE_EXTENSIONS.contains(&ending) && is_into(source) {
+        let is_table = ending == TABLE_EXTENSION;
+        if FILE_EXTENSIONS.contains(&ending) && !is_table && is_into(source) {
             let folder = into.to_owned();
             return Err(FolderError::IntoItself { folder });
         }
-        let sources = movements(source, &is_into)?;
+        let mut sources = movements(source, &is_into)?;
+        if is_table && is_into(source) {
+            // Outputs are next to the motions.
+            sources.retain(|motion| motion.extension() != Some(OsStr::new(TABLE_EXTENSION)));
+        }
         if sources.is_empty() {
             return Err(FolderError::Empty {
                 folder: source.to_owned(),

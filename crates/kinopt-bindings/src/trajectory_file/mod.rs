@@ -8,7 +8,7 @@ use std::path::Path;
 
 pub use figure::{FigureFile, FigureFileError, write_figure};
 pub use npz::{Column, npy, npz};
-pub use table::{Contacts, TrajectoryTable};
+pub use table::{Contacts, TableLayout, TrajectoryTable};
 
 /// Format of a trajectory's file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum TrajectoryFormat {
     Csv,
     /// Biovision motion of a figure.
     Bvh,
-    /// Binary glTF of a figure.
+    /// Binary glTF of a figure, or of the links of a robot.
     Glb,
 }
 
@@ -42,8 +42,8 @@ impl TrajectoryFormat {
         known.map(|(_, format)| *format)
     }
 
-    /// True for formats with bones, which robots do not have.
-    pub fn needs_figure(self) -> bool {
+    /// True for formats with bones or nodes: .bvh and .glb.
+    pub fn has_bones(self) -> bool {
         matches!(self, Self::Bvh | Self::Glb)
     }
 }

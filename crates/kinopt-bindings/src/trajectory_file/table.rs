@@ -35,6 +35,23 @@ pub struct TrajectoryTable<'a> {
     pub contacts: Option<&'a Contacts>,
     /// True if the configurations begin with a free base: position and quaternion w, x, y, z.
     pub is_free: bool,
+    /// Layout of bare rows and of .npz files.
+    pub layout: TableLayout,
+}
+
+/// Layout of configurations for other programs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TableLayout {
+    /// Bare .csv rows of Unitree's retargeted LAFAN1: x, y, z, quaternion x, y, z, w, joints. A .npz has `q`.
+    #[default]
+    Lafan1,
+    /// MuJoCo's `qpos`: the quaternion is w, x, y, z, in .csv rows without a header and in `qpos` of a .npz.
+    Mujoco,
+}
+
+impl TableLayout {
+    /// Layouts by name.
+    pub const ALL: [(&'static str, Self); 2] = [("lafan1", Self::Lafan1), ("mujoco", Self::Mujoco)];
 }
 
 /// Content of a .json file.
@@ -80,7 +97,7 @@ impl<'a> TrajectoryTable<'a> {
             TrajectoryFormat::Npz => self.arrays(),
             TrajectoryFormat::Bvh | TrajectoryFormat::Glb => Err(std::io::Error::new(
                 std::io::ErrorKind::InvalidInput,
-                ".bvh and .glb need a figure with bones; use .npz, .json or .csv",
+                ".bvh needs a figure with bones, and .glb a figure or a robot; use .npz, .json or .csv",
             )),
         }
     }
@@ -100,7 +117,11 @@ impl<'a> TrajectoryTable<'a> {
 
     fn arrays(self) -> std::io::Result<Vec<u8>> {
         let (samples, width) = (self.rows().len(), self.names.len());
-        let q = ("q", &[samples, width][..], Column::Numbers(self.q));
+        let name = match self.layout {
+            TableLayout::Lafan1 => "q",
+            TableLayout::Mujoco => "qpos",
+        };
+        let q = (name, &[samples, width][..], Column::Numbers(self.q));
         let names = ("names", &[width][..], Column::Words(self.names));
         let Some(contacts) = self.contacts else {
             let times = ("times", &[samples][..], Column::Numbers(self.times));
@@ -140,12 +161,13 @@ impl<'a> TrajectoryTable<'a> {
         }
     }
 
-    /// Rows of configurations. The base's quaternion is x, y, z, w, as in Unitree's retargeted LAFAN1.
+    /// Rows of configurations. In the layout of LAFAN1 the base's quaternion is x, y, z, w.
     fn bare_rows(self) -> String {
         let mut text = String::new();
         for q in self.rows() {
             let mut row = q.to_vec();
-            if let Some(quaternion) = row.get_mut(3..7).filter(|_| self.is_free) {
+            let is_last = self.is_free && self.layout == TableLayout::Lafan1;
+            if let Some(quaternion) = row.get_mut(3..7).filter(|_| is_last) {
                 quaternion.rotate_left(1);
             }
             let row: Vec<String> = row.iter().map(ToString::to_string).collect();

@@ -372,18 +372,22 @@ KinoptStatus kinopt_arm_solve_accepted(const KinoptArm *arm,
                                        bool *accepted);
 
 /**
- * Finds solutions of one target that differ by at least `distance` radians, nearest to the start first.
+ * Finds all solutions of one target, nearest to the start first.
  *
- * Writes up to `capacity` configurations to `q`, one after another, and their number to `count`.
+ * For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, with whole
+ * turns. `complete` then becomes true. Other arms return the solutions that their attempts find.
+ *
+ * Writes up to `capacity` configurations to `q`, one after another. `count` becomes the number of solutions, which may
+ * exceed the capacity.
  */
-KinoptStatus kinopt_arm_solve_distinct(const KinoptArm *arm,
-                                       const double *base_from_tool,
-                                       const double *start,
-                                       size_t start_length,
-                                       double distance,
-                                       double *q,
-                                       size_t capacity,
-                                       size_t *count);
+KinoptStatus kinopt_arm_solve_all(const KinoptArm *arm,
+                                  const double *base_from_tool,
+                                  const double *start,
+                                  size_t start_length,
+                                  double *q,
+                                  size_t capacity,
+                                  size_t *count,
+                                  bool *complete);
 
 /**
  * Solves for many targets, faster than one after another.

@@ -329,6 +329,14 @@ private:
   detail::Owner<KinoptSolution, kinopt_solution_free> owner_;
 };
 
+/// Solutions of a target.
+struct AllSolutions {
+  /// Configurations, nearest to the start first.
+  std::vector<Vector> solutions;
+  /// True if there are no other isolated solutions.
+  bool complete;
+};
+
 /// Configurations, one a row, and errors of a batch.
 struct Batch {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> q;
@@ -434,19 +442,24 @@ public:
     if (call.thrown) std::rethrow_exception(call.thrown);
     return accepted;
   }
-  /// At most `k` solutions that differ by at least `distance` radians, nearest to the start first.
-  std::vector<Vector> solve_distinct(const Placement &target, const VectorRef &start, size_t k = 16,
-                                     double distance = 0.1) const {
-    std::vector<double> q(k * joint_count());
-    size_t count = 0;
-    detail::check(kinopt_arm_solve_distinct(get(), target.data(), start.data(), detail::size(start.size()), distance,
-                                            q.data(), k, &count));
-    std::vector<Vector> solutions;
+  /// All solutions, nearest to the start first.
+  AllSolutions solve_all(const Placement &target, const VectorRef &start) const {
+    size_t count = 64;
+    std::vector<double> q;
+    bool complete = false;
+    // A second call, if there are more solutions than the first has room for.
+    for (size_t capacity = 0; capacity < count;) {
+      capacity = count;
+      q.resize(capacity * joint_count());
+      detail::check(kinopt_arm_solve_all(get(), target.data(), start.data(), detail::size(start.size()), q.data(),
+                                         capacity, &count, &complete));
+    }
+    AllSolutions all{{}, complete};
     for (size_t row = 0; row < count; ++row) {
-      solutions.emplace_back(
+      all.solutions.emplace_back(
           Eigen::Map<const Vector>(q.data() + row * joint_count(), detail::index(joint_count())));
     }
-    return solutions;
+    return all;
   }
   /// Solves many targets from one start; `threads` 0 is all cores.
   Batch solve_batch(const std::vector<Placement> &targets, const VectorRef &start, size_t threads = 0) const {

@@ -165,8 +165,8 @@ int main(int count, char **arguments) {
                                          ANY(&flag));
       break;
     case 13:
-      status = kinopt_arm_solve_distinct(ANY(arm), array(), array(), short_length(), number(), place(), below(20),
-                                         ANY(&size));
+      status = kinopt_arm_solve_all(ANY(arm), array(), array(), short_length(), place(), below(20), ANY(&size),
+                                    ANY(&flag));
       break;
     case 14:
       status = kinopt_arm_solve_batch(ANY(arm), array(), below(4), array(), short_length(), 1, place(), short_length(),

@@ -60,9 +60,9 @@ int main(int count, char **arguments) {
   const kinopt::Batch batch = arm.solve_batch({target, arm.base_from_tool(start)}, start);
   CHECK(batch.outcomes[0].reached && batch.outcomes[1].reached);
   CHECK(batch.q.row(0).transpose() == solution.q());
-  const auto distinct = arm.solve_distinct(target, start, 8);
-  CHECK(distinct.size() > 1);
-  for (const kinopt::Vector &q : distinct) CHECK(distance(arm.base_from_tool(q), target) < 1e-5);
+  const auto all = arm.solve_all(target, start);
+  CHECK(all.solutions.size() > 1);
+  for (const kinopt::Vector &q : all.solutions) CHECK(distance(arm.base_from_tool(q), target) < 1e-5);
 
   // An exception of a callback passes through the library's caller.
   bool thrown = false;

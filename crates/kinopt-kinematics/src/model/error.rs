@@ -270,6 +270,14 @@ pub enum ModelError {
         /// Number of bones.
         bones: usize,
     },
+    /// An invalid hinge.
+    #[error("hinge of bone `{bone}`: {problem}")]
+    BadHinge {
+        /// Name of the bone.
+        bone: String,
+        /// Problem in words.
+        problem: String,
+    },
     /// A cone of a bone without a joint.
     #[error("bone `{bone}` is locked; only a rotating bone has a cone")]
     ConeOfStillBone {

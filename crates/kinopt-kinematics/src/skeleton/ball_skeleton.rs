@@ -1,6 +1,6 @@
 //! Skeletons with one ball joint per bone instead of three revolute joints.
 
-use super::{BoneId, Cones, Posing, Skeleton};
+use super::{BoneId, Cones, Hinge, Posing, Skeleton};
 use crate::kinematics::KinematicsError;
 use crate::model::ModelError;
 use crate::model::{
@@ -32,11 +32,11 @@ impl SkeletonRoot {
 
 /// A skeleton whose bones rotate on ball joints within cones: one unit quaternion per bone.
 ///
-/// A configuration has w, x, y, z for each movable bone, in their order: the rotation from rest in the bone's axes. All
+/// A configuration has w, x, y, z for each bone on a ball joint, in their order: the rotation from rest in the bone's axes. All
 /// (1, 0, 0, 0) is the rest pose. The numbers of a [free](SkeletonRoot::Free) root start with x, y, z.
 ///
-/// Bones whose three limits are each locked at one value have no joint. Other limits of the skeleton are ignored; the
-/// cones replace them.
+/// Bones whose three limits are each locked at one value have no joint. A bone with a [hinge](super::Hinge) has a
+/// revolute joint: one number, its angle in radians. Other limits of the skeleton are ignored; the cones replace them.
 ///
 /// Frames of the model have the names and ids of the skeleton's frames, joints the names of the bones. The joints of a
 /// free root are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
@@ -65,7 +65,7 @@ impl SkeletonRoot {
 pub struct BallSkeleton {
     skeleton: Skeleton,
     model: Model,
-    /// Ball joint by bone; `None` for bones without a joint.
+    /// Ball joint or hinge by bone; `None` for bones without a joint.
     joints: Vec<Option<JointId>>,
     /// The topmost movable bones of a free root.
     free: Vec<BoneId>,
@@ -105,6 +105,14 @@ impl BallSkeleton {
             let is_movable = !bone.limits.iter().all(Limits::is_locked);
             let cone = cones.get(&bone.name);
             let name = || bone.name.clone();
+            let hinge = skeleton.hinge(BoneId::new(index));
+            if hinge.is_some() && cone.is_some() {
+                let problem = "the bone has a cone as well".to_owned();
+                return Err(ModelError::BadHinge {
+                    bone: name(),
+                    problem,
+                });
+            }
             let (joint, joint_from_bone) = match (is_movable, root) {
                 (false, _) if cone.is_some() => {
                     return Err(ModelError::ConeOfStillBone { bone: name() });
@@ -120,10 +128,17 @@ impl BallSkeleton {
                     (Some(builder.free(name(), None, origin, bounds)), rotation)
                 }
                 (true, _) => {
-                    let axis = cone.and_then(|cone| cone.axis);
-                    let axis = axis.unwrap_or_else(|| bone_direction(&skeleton, index));
-                    let limits = cone.map(|cone| cone.limits);
-                    let joint = builder.ball(name(), parent_joint, parent_from_bone, axis, limits);
+                    let joint = match hinge {
+                        Some(Hinge { axis, limits }) => {
+                            builder.revolute(name(), parent_joint, parent_from_bone, axis, limits)
+                        }
+                        None => {
+                            let axis = cone.and_then(|cone| cone.axis);
+                            let axis = axis.unwrap_or_else(|| bone_direction(&skeleton, index));
+                            let limits = cone.map(|cone| cone.limits);
+                            builder.ball(name(), parent_joint, parent_from_bone, axis, limits)
+                        }
+                    };
                     (Some(joint), Placement::identity())
                 }
             };
@@ -182,13 +197,13 @@ impl BallSkeleton {
         self.skeleton.bone(name)
     }
 
-    /// The ball joint of a bone, including those of a free root; `None` for a bone without a joint.
+    /// The ball joint of a bone, including those of a free root, or its hinge; `None` for a bone without a joint.
     #[must_use]
     pub fn joint(&self, bone: BoneId) -> Option<JointId> {
         self.joints.get(bone.index()).copied().flatten()
     }
 
-    /// The joints of a bone: its ball joint, for a free root after its three prismatic joints. Empty for a bone without
+    /// The joints of a bone: its ball joint or hinge, for a free root after its three prismatic joints. Empty for a bone without
     /// a joint.
     #[must_use]
     pub fn joints(&self, bone: BoneId) -> Vec<JointId> {
@@ -226,13 +241,28 @@ impl BallSkeleton {
         if !self.free.is_empty() {
             return map;
         }
-        for joint in holds.trunk.iter().filter_map(|&bone| self.joint(bone)) {
+        for &bone in &holds.trunk {
+            let Some(joint) = self.joint(bone) else {
+                continue;
+            };
             let coordinate = self.model.coordinate(joint);
+            if self.hinge(bone).is_some() {
+                let angle = coordinate.and_then(|coordinate| q.get(coordinate));
+                map = map.with_locked(joint, angle.copied().unwrap_or(0.0));
+                continue;
+            }
             let quaternion =
                 coordinate.and_then(|coordinate| q.get(coordinate..)?.first_chunk::<4>());
             map = map.with_locked_ball(joint, quaternion.copied().unwrap_or([1.0, 0.0, 0.0, 0.0]));
         }
         map
+    }
+
+    /// The hinge of a bone; `None` for a bone on a ball joint. A free root is not hinged.
+    #[must_use]
+    pub fn hinge(&self, bone: BoneId) -> Option<Hinge> {
+        let hinge = self.skeleton.hinge(bone);
+        hinge.filter(|_| !self.is_free(bone))
     }
 
     /// Rotation of a bone from rest at `q`, and the offset of a free root (zero for other bones).
@@ -243,6 +273,9 @@ impl BallSkeleton {
         q: &[f64],
     ) -> Option<(Quaternion<f64>, Vector3<f64>)> {
         let coordinate = self.model.coordinate(self.joint(bone)?)?;
+        if let Some(hinge) = self.hinge(bone) {
+            return Some((hinge.rotation(*q.get(coordinate)?), Vector3::zero()));
+        }
         let rotation = quaternion_at(q.get(coordinate..)?)?;
         let offset = match self.is_free(bone) {
             true => Vector3::from(*q.get(coordinate.checked_sub(3)?..)?.first_chunk::<3>()?),

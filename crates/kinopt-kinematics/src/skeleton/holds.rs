@@ -1,13 +1,17 @@
 //! Parts of a skeleton that stay fixed while other parts are dragged.
 
 use super::{BoneId, Skeleton};
-use crate::model::{Limits, ModelError, ParameterMap, ParameterMapBuilder};
+use crate::model::{JointId, Limits, ModelError, ParameterMap, ParameterMapBuilder};
 
 /// Smallest number of movable bones of a limb.
 const MIN_LIMB_BONES: usize = 2;
 /// Smallest length of a limb whose end is fixed, relative to the size of the skeleton. Arms, legs and tails exceed it;
 /// fingers and heads do not.
 const MIN_RELATIVE_LIMB_LENGTH: f64 = 0.2;
+/// Largest difference of the lengths of two limbs of a pair, relative to the longer one, on one parent and on different
+/// ones.
+const MAX_SIBLING_DIFFERENCE: f64 = 0.05;
+const MAX_PAIR_DIFFERENCE: f64 = 0.01;
 /// Largest bend of the spine, summed over its bones, and largest twist, radians.
 const MAX_SPINE_BEND: f64 = 0.7;
 
@@ -28,7 +32,8 @@ impl Skeleton {
     /// The parts to fix while the tips of the `dragged` bones move, so that a character stays on its feet.
     ///
     /// These are the root chain up to the hips and the end of every long limb that carries no dragged bone. The spine
-    /// bends only slightly. A limb is long from a fifth of the skeleton's size: heads and fingers move along.
+    /// bends only slightly. A limb is long from a fifth of the skeleton's size: heads and fingers move along. If any limbs
+    /// are pairs of equal length, limbs without a partner move along too, such as a tail.
     ///
     /// A dragged root chain is free. A skeleton without branching limbs has no fixed parts. Locked bones do not count.
     #[must_use]
@@ -101,6 +106,21 @@ impl Skeleton {
         }
         // By bone: it belongs to a long limb to fix; it is the end of that limb, apart from short limbs.
         let is_long_limb = |bone: usize| lengths[bone] >= min_limb_length && depth[bone] > 0;
+        // By bone: the first bone of a limb with a partner. Tails and heads have none, and move along.
+        let length_of = |bone: usize| self.chain_length(&lengths, bone);
+        let starts: Vec<usize> = (0..bones)
+            .filter(|&bone| is_long_limb(bone) && parent(bone).is_some_and(|p| long_limbs[p] > 1))
+            .collect();
+        let is_pair = |a: usize, b: usize| {
+            let difference = (length_of(a) - length_of(b)).abs();
+            let tolerance = match parent(a) == parent(b) {
+                true => MAX_SIBLING_DIFFERENCE,
+                false => MAX_PAIR_DIFFERENCE,
+            };
+            a != b && difference <= tolerance * length_of(a).max(length_of(b))
+        };
+        let has_partner = |bone: usize| starts.iter().any(|&other| is_pair(bone, other));
+        let has_pairs = starts.iter().any(|&bone| has_partner(bone));
         let mut on_fixed_limb = vec![false; bones];
         let mut is_end = vec![false; bones];
         for bone in 0..bones {
@@ -110,7 +130,7 @@ impl Skeleton {
             on_fixed_limb[bone] = !dragged_below[bone]
                 && !dragged_above[bone]
                 && match parent_index {
-                    _ if branches => is_long_limb(bone),
+                    _ if branches => is_long_limb(bone) && (has_partner(bone) || !has_pairs),
                     Some(parent) => on_fixed_limb[parent] && longest_child[parent] == Some(bone),
                     None => false,
                 };
@@ -176,22 +196,39 @@ impl Holds {
         q: &[f64],
     ) -> ParameterMapBuilder<'m> {
         map = map.checked(q);
+        for (joint, limits) in self.ranges(skeleton, q) {
+            map = match limits.is_locked() {
+                true => map.with_locked(joint, limits.lower),
+                false => map.with_narrowed(joint, limits),
+            };
+        }
+        map
+    }
+
+    /// The value of each joint of the root chain, and the range of each joint of the spine around `q`, radians.
+    #[doc(hidden)]
+    pub fn ranges<'a>(
+        &'a self,
+        skeleton: &'a Skeleton,
+        q: &'a [f64],
+    ) -> impl Iterator<Item = (JointId, Limits)> + 'a {
         let model = skeleton.model();
-        let value_at = |joint| {
+        let value_at = move |joint| {
             let value = model.coordinate(joint).and_then(|value| q.get(value));
             value.copied().unwrap_or(0.0)
         };
-        for joint in self.trunk.iter().flat_map(|&bone| skeleton.joints(bone)) {
-            map = map.with_locked(joint, value_at(joint));
-        }
+        let trunk = self.trunk.iter().flat_map(|&bone| skeleton.joints(bone));
+        let locked = trunk.map(move |joint| (joint, Limits::new(value_at(joint), value_at(joint))));
         let bend = MAX_SPINE_BEND / self.back.len().max(1) as f64;
-        for joints in self.back.iter().map(|&bone| skeleton.joints(bone)) {
-            // In a straight bone both twists have one axis, so each gets half.
-            for (joint, range) in joints.into_iter().zip([0.5 * bend, bend, 0.5 * bend]) {
-                let centre = value_at(joint);
-                map = map.with_narrowed(joint, Limits::new(centre - range, centre + range));
-            }
-        }
-        map
+        // In a straight bone both twists have one axis, so each gets half.
+        let ranges = [0.5 * bend, bend, 0.5 * bend];
+        let back = self
+            .back
+            .iter()
+            .flat_map(move |&bone| skeleton.joints(bone).into_iter().zip(ranges));
+        locked.chain(back.map(move |(joint, range)| {
+            let centre = value_at(joint);
+            (joint, Limits::new(centre - range, centre + range))
+        }))
     }
 }

@@ -6,24 +6,31 @@
 //! In the model a bone is three revolute joints at one point. A configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃,
 //! θ₂₁, …) in radians, bone by bone. Bones come after their parents. Tips of leaf bones are the usual end effectors.
 //!
-//! A [`BallSkeleton`] has the same bones on ball joints within cones.
+//! A bone with a [`Hinge`] rotates about one axis: its bend is the angle about it, and its twists are locked.
+//!
+//! A [`BallSkeleton`] has the same bones on ball joints within cones, and the same hinges.
 
 mod ball_skeleton;
 mod bone;
 mod builder;
 mod cone;
+mod hinge;
 mod holds;
 mod pose;
+#[cfg(feature = "serde")]
+mod serialised;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 pub use ball_skeleton::{BallSkeleton, SkeletonRoot};
 pub use bone::{Bone, BoneId};
 pub use builder::SkeletonBuilder;
 pub use cone::{BoneCone, Cones};
+pub use hinge::{Hinge, Hinges};
 pub use holds::Holds;
 pub use pose::{BonePlacements, Posing};
 
+use self::hinge::HingedBone;
 use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
@@ -35,10 +42,14 @@ pub const ANGLES_PER_BONE: usize = 3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "(String, Vec<Bone>)", into = "(String, Vec<Bone>)")
+    serde(
+        try_from = "serialised::SkeletonParts",
+        into = "serialised::SkeletonParts"
+    )
 )]
 pub struct Skeleton {
     bones: Vec<Bone>,
+    hinges: BTreeMap<BoneId, HingedBone>,
     model: Model,
     by_name: HashMap<String, BoneId>,
 }
@@ -62,7 +73,16 @@ impl Skeleton {
     /// The first faulty bone, by name: a parent that does not come before it, a negative or non-finite length, invalid
     /// limits, or a repeated name. Also a rest placement that is not rigid within 1e-6; within that tolerance the
     /// nearest rigid one is used.
-    pub fn new(name: impl Into<String>, mut bones: Vec<Bone>) -> Result<Self, ModelError> {
+    pub fn new(name: impl Into<String>, bones: Vec<Bone>) -> Result<Self, ModelError> {
+        Self::assemble(name.into(), bones, BTreeMap::new())
+    }
+
+    /// As [`new`](Self::new), with hinges whose limits are those of their bones.
+    fn assemble(
+        name: String,
+        mut bones: Vec<Bone>,
+        hinges: BTreeMap<BoneId, HingedBone>,
+    ) -> Result<Self, ModelError> {
         let mut by_name = HashMap::with_capacity(bones.len());
         for (index, bone) in bones.iter_mut().enumerate() {
             bone.check(index)?;
@@ -77,9 +97,10 @@ impl Skeleton {
                 });
             }
         }
-        let model = compile(name.into(), &bones)?;
+        let model = compile(name, &bones, &hinges)?;
         Ok(Self {
             bones,
+            hinges,
             model,
             by_name,
         })
@@ -99,7 +120,7 @@ impl Skeleton {
         for bone in &mut bones {
             bone.model_from_rest = scene_from_model * bone.model_from_rest;
         }
-        Self::new(self.model.name(), bones)
+        Self::assemble(self.model.name().to_owned(), bones, self.hinges.clone())
     }
 
     /// Moves the joint of a bone on its parent and the tip on the bone, in the model only: for layers that own the
@@ -198,8 +219,13 @@ impl Skeleton {
     }
 }
 
-/// Compiles each bone to three revolute joints: x by θ₃ on the parent, then z by θ₂, then x by θ₁.
-fn compile(name: String, bones: &[Bone]) -> Result<Model, ModelError> {
+/// Compiles each bone to three revolute joints: x by θ₃ on the parent, then z (or the axis of a hinge) by θ₂, then x by
+/// θ₁.
+fn compile(
+    name: String,
+    bones: &[Bone],
+    hinges: &BTreeMap<BoneId, HingedBone>,
+) -> Result<Model, ModelError> {
     let about_x = Vector3::new(1.0, 0.0, 0.0);
     let about_z = Vector3::new(0.0, 0.0, 1.0);
     let mut builder = Model::builder(name);
@@ -207,7 +233,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, ModelError> {
     let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
     let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
     let used_names: HashSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
-    for bone in bones {
+    for (index, bone) in bones.iter().enumerate() {
         let (parent, parent_from_bone) = match bone.parent {
             Some(parent) => {
                 let parent_from_model = bones[parent.index()].model_from_rest.inverse();
@@ -228,7 +254,9 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, ModelError> {
         let [first, bend, second] = bone.limits;
         let identity = Placement::identity();
         let twist2 = add_revolute("twist2", parent, parent_from_bone, about_x, second);
-        let bend = add_revolute("bend", Some(twist2), identity, about_z, bend);
+        let hinge = hinges.get(&BoneId::new(index));
+        let axis = hinge.map_or(about_z, |hinged| hinged.hinge.axis);
+        let bend = add_revolute("bend", Some(twist2), identity, axis, bend);
         let twist1 = add_revolute("twist1", Some(bend), identity, about_x, first);
         order.extend([twist1, bend, twist2]);
         last_joint.push(twist1);
@@ -249,20 +277,4 @@ fn free_name(name: String, used_names: &HashSet<&str>) -> String {
         .chain(numbered)
         .find(|name| !used_names.contains(name.as_str()));
     free.unwrap_or(name)
-}
-
-#[cfg(feature = "serde")]
-impl From<Skeleton> for (String, Vec<Bone>) {
-    fn from(skeleton: Skeleton) -> Self {
-        (skeleton.model.name().to_owned(), skeleton.bones)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<(String, Vec<Bone>)> for Skeleton {
-    type Error = ModelError;
-
-    fn try_from((name, bones): (String, Vec<Bone>)) -> Result<Self, ModelError> {
-        Self::new(name, bones)
-    }
 }

@@ -1,8 +1,10 @@
-//! Trajectories and paths: Cartesian paths, clips, retargeting and contact detection.
+//! Trajectories and paths: Cartesian paths, clips, retargeting and contact detection. Posing of characters.
 
 pub mod clip_ik;
 mod contact;
+pub mod posing;
 pub mod retarget;
+pub mod score;
 #[cfg(feature = "collision")]
 mod skin_capsules;
 pub mod trajectory;

@@ -230,6 +230,17 @@ impl Solution {
                 );
             }
         }
+        if let Some(boxes) = self.excluded_boxes {
+            return writeln!(
+                text,
+                "  Out of reach: no configuration within the joint limits reaches the target. Bounds over {} of joint \
+                 values prove it.",
+                match boxes {
+                    1 => "one box".to_owned(),
+                    _ => format!("{boxes} boxes"),
+                }
+            );
+        }
         if !self.pulling.is_empty() {
             for (k, name) in self.pulling_preferences().enumerate() {
                 write!(text, "{}{name}", if k > 0 { ", " } else { "  " })?;

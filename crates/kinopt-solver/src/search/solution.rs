@@ -149,6 +149,9 @@ pub struct Solution {
     /// Soft tasks that are weighted against the required tasks and keep them from being reached, strongest first.
     pub(crate) pulling: Vec<usize>,
     pub(super) beyond: Option<OutOfReach>,
+    /// Number of boxes of joint values by which a proof excluded all configurations.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) excluded_boxes: Option<usize>,
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) collisions: Vec<Collision>,
     pub(super) names: Option<Arc<ReportNames>>,
@@ -170,6 +173,7 @@ impl Default for Solution {
             blocked: Vec::new(),
             pulling: Vec::new(),
             beyond: None,
+            excluded_boxes: None,
             collisions: Vec::new(),
             names: None,
         }
@@ -193,6 +197,7 @@ impl Solution {
         self.attempts = result.attempts;
         self.agreeing = result.agreeing;
         self.counts = result.counts;
+        self.excluded_boxes = None;
         self.collisions.clear();
     }
 
@@ -241,10 +246,18 @@ impl Solution {
     }
 
     /// Reports whether a required task is provably out of reach: its target is farther from the start of its chain
-    /// than the chain is long. False if this is unknown.
+    /// than the chain is long, or an arm's `reachability` excluded all configurations. False if this is unknown.
     #[must_use]
     pub fn is_out_of_reach(&self) -> bool {
-        self.beyond.is_some()
+        self.beyond.is_some() || self.excluded_boxes.is_some()
+    }
+
+    /// Adds a proof over boxes of joint values that the target is out of reach.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn proven_unreachable(mut self, boxes: usize) -> Self {
+        self.excluded_boxes = Some(boxes);
+        self
     }
 
     /// Soft tasks that keep required tasks from being reached, strongest first. Empty unless soft tasks are

@@ -54,6 +54,15 @@ impl Posture {
         }
     }
 
+    /// The joints of [`of_joints`](Self::of_joints) with their values.
+    #[doc(hidden)]
+    pub fn values(&self) -> impl Iterator<Item = (JointId, f64)> + '_ {
+        self.joints
+            .iter()
+            .copied()
+            .zip(self.reference.iter().copied())
+    }
+
     /// Multiplies the rows of each joint by a weight of at least 0, one weight for each joint, in order.
     ///
     /// A ball joint has one weight too. A joint of weight 0 moves freely.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
-use super::euler_pose_map::has_bones;
+use super::euler_pose_map::{has_bones, hinge_angle};
 use crate::animation::{Armature, LayerError, Mirror, Pose};
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
@@ -123,6 +123,12 @@ impl BallPoseMap {
                 None => mirror.rotation(rest.conjugate() * rotation),
             };
             let joint_rotation = joint_rotation.normalize();
+            if let Some(hinge) = self.skeleton.hinge(bone) {
+                if let Some(angle) = q.get_mut(coordinate) {
+                    *angle = hinge_angle(&hinge, joint_rotation);
+                }
+                continue;
+            }
             // Of the two quaternions of a rotation, the one nearer to rest.
             let [x, y, z, w] = match joint_rotation.w < 0.0 {
                 true => -joint_rotation,

@@ -7,7 +7,8 @@ use crate::animation::{LayerError, Mirror, Pose};
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::model::{Limits, ModelError};
-use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
+use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, BoneId, Hinge, Skeleton};
+use kinopt_kinematics::spatial::Quaternion;
 
 /// Rotation of a bone by its angles θ₁, θ₂, θ₃ in radians: R_x(θ₃) R_z(θ₂) R_x(θ₁).
 #[doc(hidden)]
@@ -53,6 +54,19 @@ pub fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
     if second_is_better { b } else { a }
 }
 
+/// Rotation of a hinge by an angle in radians.
+fn hinge_rotation(hinge: &Hinge, angle: f64) -> DQuat {
+    let Quaternion { w, v } = hinge.rotation(angle);
+    DQuat::from_xyzw(v.x, v.y, v.z, w)
+}
+
+/// Angle of a hinge, radians, whose rotation is closest to `rotation`.
+pub(super) fn hinge_angle(hinge: &Hinge, rotation: DQuat) -> f64 {
+    let [x, y, z, w] = rotation.to_array();
+    let v = [x, y, z].into();
+    hinge.angle_of(Quaternion { w, v })
+}
+
 /// Returns an error if a pose has fewer bones than a skeleton. Additional bones, as in a scene, are allowed.
 pub(super) fn has_bones(pose: &Pose, bones: usize) -> Result<(), SizeMismatch> {
     SizeMismatch::check("bones in the pose", pose.bones().min(bones), bones)
@@ -66,6 +80,7 @@ pub struct EulerPoseMap {
     rest: Vec<DQuat>,
     parents: Vec<Option<BoneId>>,
     limits: Vec<[Limits; 3]>,
+    hinges: Vec<Option<Hinge>>,
 }
 
 impl EulerPoseMap {
@@ -78,6 +93,10 @@ impl EulerPoseMap {
             rest: rest.map(|q| q.as_dquat().normalize()).collect(),
             parents: skeleton.bones().iter().map(|bone| bone.parent).collect(),
             limits: skeleton.bones().iter().map(|bone| bone.limits).collect(),
+            hinges: skeleton
+                .bone_ids()
+                .map(|bone| skeleton.hinge(bone))
+                .collect(),
         }
     }
 
@@ -95,13 +114,18 @@ impl EulerPoseMap {
         let angles = ANGLES_PER_BONE * self.rest.len();
         let q = q.sized(angles);
         SizeMismatch::check("angles", q.len(), angles)?;
-        let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
+        let joints = self.limits.iter().zip(&self.hinges);
+        let bones = self.rest.iter().zip(joints).zip(pose.rotations());
         let bones = q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones).enumerate();
-        for (index, (angles, ((rest, limits), rotation))) in bones {
+        for (index, (angles, ((rest, (limits, hinge)), rotation))) in bones {
             let mirror = self.mirror_above(BoneId::new(index), pose);
             let rotation_from_rest =
                 rest.conjugate() * mirror.rotation(rotation.as_dquat().normalize());
-            angles.copy_from_slice(&bone_angles(rotation_from_rest, limits));
+            let bone_angles = match hinge {
+                Some(hinge) => [0.0, hinge_angle(hinge, rotation_from_rest), 0.0],
+                None => bone_angles(rotation_from_rest, limits),
+            };
+            angles.copy_from_slice(&bone_angles);
         }
         Ok(())
     }
@@ -131,7 +155,11 @@ impl EulerPoseMap {
         let local_rotation = pose.rotations.get_mut(bone.index());
         let rest = self.rest.get(bone.index());
         if let (Some(angles), Some(local_rotation), Some(rest)) = (angles, local_rotation, rest) {
-            let rotation: Quat = mirror.rotation(*rest * bone_rotation(angles)).as_quat();
+            let from_rest = match self.hinges.get(bone.index()).copied().flatten() {
+                Some(hinge) => hinge_rotation(&hinge, angles[1]),
+                None => bone_rotation(angles),
+            };
+            let rotation: Quat = mirror.rotation(*rest * from_rest).as_quat();
             *local_rotation = rotation.normalize();
         }
     }

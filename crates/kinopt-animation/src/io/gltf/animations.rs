@@ -97,16 +97,16 @@ impl Context<'_, '_> {
         let vec3 = |v: [f64; 3]| Vec3A::from_array(v.map(|number| number as f32));
         let read = match property {
             Property::Translation => {
-                let keys = self.keys(sampler, sampler_path, user.clone(), vec3)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec3, notes)?;
                 Channel::Translation(curve(source, keys, 1)?.swap_remove(0))
             }
             Property::Scale => {
-                let keys = self.keys(sampler, sampler_path, user.clone(), vec3)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec3, notes)?;
                 Channel::Scale(curve(source, keys, 1)?.swap_remove(0))
             }
             Property::Rotation => {
                 let vec4 = |v: [f64; 4]| Vec4::from_array(v.map(|number| number as f32));
-                let keys = self.keys(sampler, sampler_path, user.clone(), vec4)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec4, notes)?;
                 Channel::Rotation(rotation(source, keys)?)
             }
             Property::MorphTargetWeights => {
@@ -138,9 +138,8 @@ impl Context<'_, '_> {
             let problem = format!("{user}: mesh `{}` has no morph targets", mesh.name);
             return Err(self.source.fail(path, problem));
         }
-        let keys = self.keys(sampler, path.clone(), user.clone(), |[weight]: [f64; 1]| {
-            weight as f32
-        })?;
+        let weight = |[weight]: [f64; 1]| weight as f32;
+        let keys = self.keys(sampler, path.clone(), user.clone(), weight, notes)?;
         for (target, curve) in curve(self.source, keys, targets)?.into_iter().enumerate() {
             let added = builder.morph_weight(first + target, curve);
             added.map_err(|error| self.source.fail(path.as_str(), format!("{user}: {error}")))?;
@@ -154,21 +153,30 @@ impl Context<'_, '_> {
         path: String,
         user: String,
         convert: impl Fn([f64; N]) -> T,
+        notes: &mut Vec<Note>,
     ) -> Result<SamplerKeys<T>, ReadError> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
             let problem = format!("{user}: must be one of STEP, LINEAR, CUBICSPLINE");
             return Err(self.source.fail(format!("{path}.interpolation"), problem));
         };
         let input = format!("{user}, times");
-        Ok(SamplerKeys {
-            times: self
-                .source
-                .read(sampler.input, &input, |[time]: [f64; 1]| time as f32)?,
+        let time = |[time]: [f64; 1]| time as f32;
+        let mut keys = SamplerKeys {
+            times: self.source.read(sampler.input, &input, time)?,
             outputs: self.source.read(sampler.output, &user, convert)?,
             interpolation,
             user,
             path,
-        })
+        };
+        let repeated = keys.remove_repeated_times();
+        if repeated > 0 {
+            let what = format!(
+                "{}: {repeated} keys removed, as the next key has the same time",
+                keys.user
+            );
+            notes.push(Note::repaired(keys.path.as_str(), what));
+        }
+        Ok(keys)
     }
 }
 

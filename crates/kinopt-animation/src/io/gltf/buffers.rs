@@ -7,6 +7,7 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 
+use super::compression::CompressedMembers;
 use crate::io::{FileLocation, ReadError};
 
 /// Some writers omit the padding.
@@ -15,16 +16,21 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of every buffer, at least as long as announced. `open` returns the contents of an external file.
+/// The bytes of every buffer, at least as long as announced. `open` returns the contents of an external file. Fallback
+/// buffers of `compressed` views are empty.
 pub(super) fn load<'a>(
     root: &Root,
     binary: Option<&'a [u8]>,
+    compressed: Option<&CompressedMembers>,
     name: &str,
     mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
         let location = |key: &str| FileLocation::Json(format!("buffers[{index}].{key}"));
         let malformed = |problem: String| ReadError::malformed(name, location("uri"), problem);
+        if compressed.is_some_and(|compressed| compressed.is_fallback(index)) {
+            return Ok(Cow::Borrowed(&[][..]));
+        }
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => {

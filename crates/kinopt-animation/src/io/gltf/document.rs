@@ -7,18 +7,25 @@ use super::omissions::{Nodeless, parse_with_omissions};
 use crate::io::{FileLocation, ReadError};
 use kinopt_mesh::json::parse;
 
-/// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
-const SUPPORTED_EXTENSIONS: [&str; 7] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "MSFT_texture_",
-    "KHR_lights_",
-    QUANTIZATION,
-    "KHR_xmp",
-];
-/// The extension that the reader applies.
-pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+/// Meshes with attributes of small integers.
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+/// Draco compression of primitives.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+/// meshopt compression of buffer views. Both extensions have the same members.
+pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Returns `true` for extensions that the reader applies.
+pub(super) fn is_applied(extension: &str) -> bool {
+    let is_draco = extension == DRACO && cfg!(feature = "draco");
+    extension == QUANTIZATION || is_draco || MESHOPT.contains(&extension)
+}
+
+/// Returns `true` for other compressions. Without their decoder, the bytes of a file cannot be read. All other unknown
+/// extensions add something to nodes, skins and clips that are readable without them.
+fn is_unknown_compression(extension: &str) -> bool {
+    let known = [QUANTIZATION, DRACO, MESHOPT[0], MESHOPT[1]];
+    extension.contains("compression") && !known.contains(&extension)
+}
 
 /// The part of a document that is read if parsing the whole fails.
 #[derive(Deserialize)]
@@ -35,7 +42,7 @@ struct Asset {
     min_version: Option<String>,
 }
 
-/// Parses a document and checks that its version is 2 and that it requires no unsupported extension.
+/// Parses a document and checks that its version is 2 and that it requires no unknown compression.
 pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     if let Ok(root) = Root::from_slice(json) {
         let asset = Asset {
@@ -62,7 +69,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
     parse_with_omissions(json, name)
 }
 
-/// Returns an error for other versions and for unsupported required extensions.
+/// Returns an error for other versions and for required compressions that are not decoded.
 fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
     let is_wrong_minor = asset.min_version.is_some() && needed != "2.0";
@@ -71,32 +78,14 @@ fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError
         let location = FileLocation::Json("asset".into());
         return Err(ReadError::malformed(name, location, problem));
     }
-    let is_supported = |required: &str| {
-        SUPPORTED_EXTENSIONS
-            .iter()
-            .any(|known| required.starts_with(known))
-    };
     for (index, required) in required.iter().enumerate() {
-        if !is_supported(required) {
+        if is_unknown_compression(required) {
             let location = FileLocation::Json(format!("extensionsRequired[{index}]"));
-            let known: Vec<String> = SUPPORTED_EXTENSIONS
-                .iter()
-                .map(|known| known_name(known))
-                .collect();
-            let problem = format!(
-                "`{required}` is required and not supported; those that may be are {}",
-                known.join(", ")
-            );
+            let [ext, khr] = MESHOPT;
+            let problem =
+                format!("`{required}` is not decoded; {DRACO}, {ext} and {khr} are decoded");
             return Err(ReadError::malformed(name, location, problem));
         }
     }
     Ok(())
-}
-
-/// Readable name of a family of extensions.
-fn known_name(prefix: &str) -> String {
-    match prefix.ends_with('_') {
-        true => format!("{prefix}…"),
-        false => prefix.to_owned(),
-    }
 }

@@ -44,6 +44,27 @@ impl<T: Clone> SamplerKeys<T> {
         }
     }
 
+    /// Removes each key whose successor has the same time, and returns the number of removed keys. Does nothing if the
+    /// number of outputs is no multiple of that of keys.
+    pub(super) fn remove_repeated_times(&mut self) -> usize {
+        let keys = self.times.len();
+        let repeated = |key: usize| self.times.get(key) == self.times.get(key + 1);
+        let kept: Vec<usize> = (0..keys).filter(|&key| !repeated(key)).collect();
+        if kept.len() == keys || !self.outputs.len().is_multiple_of(keys) {
+            return 0;
+        }
+        let width = self.outputs.len() / keys;
+        let outputs = kept
+            .iter()
+            .filter_map(|key| self.outputs.get(key * width..(key + 1) * width));
+        self.outputs = outputs.flatten().cloned().collect();
+        self.times = kept
+            .iter()
+            .filter_map(|&key| self.times.get(key).copied())
+            .collect();
+        keys - kept.len()
+    }
+
     fn check(&self, source: &GltfSource<'_>, width: usize) -> Result<(), ReadError> {
         let (given, keys) = (self.outputs.len(), self.times.len());
         let needed = keys.checked_mul(self.sides() * width);

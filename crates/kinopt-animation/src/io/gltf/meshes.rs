@@ -57,15 +57,15 @@ pub(super) fn read(
             None => {
                 let raw = primitives::read(source, mesh)?;
                 left_out.extend(raw.left_out.iter().cloned());
-                for (primitive, mode) in &raw.without_triangles {
+                for (primitive, what) in &raw.unread {
                     let path = format!("meshes[{mesh}].primitives[{primitive}]");
-                    notes.push(Note::left_out(path, format!("a primitive drawn as {mode}")));
+                    notes.push(Note::left_out(path, what.as_ref()));
                 }
                 raw_meshes.entry(mesh).or_insert(raw)
             }
         };
         // A mesh without triangles is left out.
-        if raw.positions.is_empty() && !raw.without_triangles.is_empty() {
+        if raw.positions.is_empty() && !raw.unread.is_empty() {
             continue;
         }
         used_skins.extend(node.skin.map(|skin| skin.value()));

@@ -12,9 +12,10 @@
 //!   file.
 //! - **Animations** are [`Clip`]s with step, linear (slerp for rotations) and cubic spline curves.
 //!
-//! A required extension is an error, except `KHR_mesh_quantization` and extensions of appearance. Materials, textures,
-//! cameras, lights, texture coordinates and colours are left out and listed in [`Scene::notes`]. A [`SceneFile`] keeps
-//! them all and adds clips to the file.
+//! Compressed views (`EXT_meshopt_compression`, `KHR_meshopt_compression`) and quantised attributes are decoded, and
+//! with the feature `draco` also `KHR_draco_mesh_compression`. Another required compression is an error. All other
+//! extensions, materials, textures, cameras, lights, texture coordinates and colours are left out and listed in
+//! [`Scene::notes`], also if the file requires them. A [`SceneFile`] keeps them all and adds clips to the file.
 //!
 //! ```no_run
 //! use kinopt::animation::{Cursor, Playback};
@@ -35,9 +36,11 @@ mod accessor_view;
 mod accessors;
 mod animations;
 mod buffers;
+mod compression;
 mod document;
 mod glb;
 mod keys;
+mod masses;
 mod meshes;
 mod morph_targets;
 mod node_transform;
@@ -119,9 +122,15 @@ fn parse(
     open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Parsed, ReadError> {
     let chunks = glb::split(bytes, name)?;
-    let (root, nodeless) = document::document(chunks.json, name)?;
-    let buffers = buffers::load(&root, chunks.binary, name, open)?;
-    let source = GltfSource::new(name, &root, chunks.json.len(), buffers);
+    let (mut root, nodeless) = document::document(chunks.json, name)?;
+    let compressed = compression::members(&root, chunks.json, name)?;
+    let mut buffers = buffers::load(&root, chunks.binary, compressed.as_ref(), name, open)?;
+    let memory_limit = source::memory_limit(chunks.json.len(), &buffers);
+    let undecoded = match &compressed {
+        Some(members) => compression::decode(members, &mut root, &mut buffers, memory_limit, name)?,
+        None => compression::Undecoded::new(),
+    };
+    let source = GltfSource::new(name, &root, buffers, undecoded, memory_limit);
     let mut notes = left_out(&root);
     let nodes = nodes::read(&source, &mut notes)?;
     let mut meshes = meshes::read(&source, &nodes, &mut notes)?;
@@ -168,7 +177,7 @@ fn left_out(root: &Root) -> Vec<Note> {
     let filled = lists.into_iter().filter(|(_, count)| *count > 0);
     let lists = filled.map(|(what, count)| Note::left_out(what, format!("{count} {what}")));
     let extensions = root.extensions_used.iter().enumerate();
-    let ignored = extensions.filter(|(_, name)| *name != document::QUANTIZATION);
+    let ignored = extensions.filter(|(_, name)| !document::is_applied(name));
     let extensions = ignored.map(|(index, name)| {
         Note::left_out(
             format!("extensionsUsed[{index}]"),

@@ -7,6 +7,7 @@ use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
+use super::compression;
 use super::morph_targets::{self, Deltas};
 use super::nodes::label;
 use super::raw_mesh::{JointWeight, RawMesh};
@@ -45,9 +46,16 @@ pub(super) fn read(source: &GltfSource<'_>, index: usize) -> Result<RawMesh, Rea
     let target_count = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
     let mut with_triangles = Vec::with_capacity(mesh.primitives.len());
     for (number, primitive) in mesh.primitives.iter().enumerate() {
+        if source.undecoded.contains(&(index, number)) {
+            raw.unread.push((number, compression::UNDECODED.into()));
+            continue;
+        }
         match triangles::without_triangles(primitive) {
             None => with_triangles.push((number, primitive)),
-            Some(mode) => raw.without_triangles.push((number, format!("{mode:?}"))),
+            Some(mode) => {
+                let what = format!("a primitive drawn as {mode:?}");
+                raw.unread.push((number, what.into()));
+            }
         }
     }
     let targets = with_triangles

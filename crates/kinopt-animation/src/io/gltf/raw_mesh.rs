@@ -1,5 +1,6 @@
 //! A mesh as the file describes it.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use glam::{Vec3, Vec4};
@@ -25,8 +26,8 @@ pub(super) struct RawMesh {
     /// Every primitive has joints.
     pub(super) is_skinned: bool,
     pub(super) targets: Vec<Deltas>,
-    /// Index and mode of primitives of points and lines.
-    pub(super) without_triangles: Vec<(usize, String)>,
+    /// Index of each primitive that is left out, and the reason: points, lines or compression.
+    pub(super) unread: Vec<(usize, Cow<'static, str>)>,
     /// Names of ignored attributes.
     pub(super) left_out: BTreeSet<String>,
 }

@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use gltf_json::Root;
 
+use super::compression::Undecoded;
 use crate::io::{FileLocation, ReadError};
 
 /// Largest decoded size per byte of the file. Accessors may share bytes or have none, so a short file could otherwise
@@ -18,25 +19,34 @@ pub(super) struct GltfSource<'a> {
     pub(super) name: &'a str,
     pub(super) root: &'a Root,
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
+    /// Primitives that are left out because they cannot be decoded.
+    pub(super) undecoded: Undecoded,
     memory_left: Cell<usize>,
+}
+
+/// Largest decoded size of a file, bytes.
+pub(super) fn memory_limit(json_length: usize, buffers: &[Cow<'_, [u8]>]) -> usize {
+    let bytes = buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
+    bytes
+        .saturating_add(json_length)
+        .saturating_mul(MAX_BYTES_PER_FILE_BYTE)
+        .saturating_add(MIN_MEMORY_LIMIT)
 }
 
 impl<'a> GltfSource<'a> {
     pub(super) fn new(
         name: &'a str,
         root: &'a Root,
-        json_length: usize,
         buffers: Vec<Cow<'a, [u8]>>,
+        undecoded: Undecoded,
+        memory_limit: usize,
     ) -> Self {
-        let bytes = buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
-        let limit = bytes
-            .saturating_add(json_length)
-            .saturating_mul(MAX_BYTES_PER_FILE_BYTE);
         Self {
             name,
             root,
             buffers,
-            memory_left: Cell::new(limit.saturating_add(MIN_MEMORY_LIMIT)),
+            undecoded,
+            memory_left: Cell::new(memory_limit),
         }
     }
 

@@ -1,11 +1,9 @@
 //! Masses of a rig, from the volume of its mesh.
 
 use super::Rig;
-use crate::skinning::{AutomaticWeights, bone_volumes};
-use kinopt_kinematics::kinematics::KinematicsError;
-use kinopt_kinematics::kinematics::{ForwardKinematics, centre_of_mass};
-use kinopt_kinematics::model::ModelError;
-use kinopt_kinematics::model::{FrameId, Masses, PointMass};
+use crate::skinning::{AutomaticWeights, bone_volumes, masses_of_volumes};
+use kinopt_kinematics::kinematics::{KinematicsError, centre_of_mass};
+use kinopt_kinematics::model::{Masses, ModelError};
 use kinopt_kinematics::spatial::Vector3;
 
 impl Rig {
@@ -28,21 +26,7 @@ impl Rig {
             }
         };
         let volumes = bone_volumes(mesh, weights).map_err(|error| no_volume(&error))?;
-        let model = self.skeleton.model();
-        let tails: Vec<FrameId> = (self.skeleton.bone_ids())
-            .map(|bone| self.skeleton.tail(bone))
-            .collect();
-        let rest = vec![0.0; model.configuration_len()];
-        let mut kinematics =
-            ForwardKinematics::of_frames(model, &tails).map_err(|error| no_volume(&error))?;
-        let placed = kinematics.place(&rest).map_err(|error| no_volume(&error))?;
-        let masses = tails.iter().zip(placed).zip(volumes);
-        let masses = masses.map(|((&frame, placed), volume)| PointMass {
-            frame,
-            at: placed.inverse().apply(volume.centre),
-            mass: density * volume.volume,
-        });
-        Masses::new(model, masses)
+        masses_of_volumes(&self.skeleton, &volumes, density)
     }
 
     /// Position of the centre of mass in the pose of the joint angles `q` (radians), for a uniform density. It is in

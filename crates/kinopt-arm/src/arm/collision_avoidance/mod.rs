@@ -93,6 +93,24 @@ impl Arm {
         }
     }
 
+    /// Distance of the closest pair of bodies at a configuration, metres, negative for a penetration. `None` if all
+    /// are farther apart than `max_distance`.
+    ///
+    /// # Errors
+    /// Returns the errors of [`collisions`](Self::collisions).
+    pub fn clearance(&self, q: &[f64], max_distance: f64) -> Result<Option<f64>, QueryError> {
+        self.check_length("q", q.len(), self.joint_count())?;
+        self.check_finite("q", q)?;
+        let Some(avoidance) = &self.collisions else {
+            return Err(QueryError::NothingToKeepClearOf);
+        };
+        let mut q_model = avoidance.rest.clone();
+        self.configuration(q, &mut q_model)?;
+        let checker = &avoidance.checker;
+        let nearest = checker.nearest(&mut checker.workspace(), &q_model, max_distance)?;
+        Ok(nearest.map(|pair| pair.distance))
+    }
+
     /// [`collisions`](Self::collisions), but empty for an arm without a checker.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;

@@ -45,6 +45,30 @@ pub(super) fn for_each_colliding(
     })
 }
 
+/// Returns true if a configuration is collision-free, and always without a checker; `None` if there is no time for the
+/// check.
+pub(in crate::arm) fn is_clear(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+    q: &[f64],
+) -> Result<Option<bool>, QueryError> {
+    let Some(avoidance) = &arm.collisions else {
+        return Ok(Some(true));
+    };
+    if avoidance.is_late(query) {
+        return Ok(None);
+    }
+    let mut stored = workspace.collision_workspace.take();
+    let checks = stored.get_or_insert_with(|| avoidance.workspace());
+    checks.deadline = query.deadline;
+    let is_clear = avoidance.is_clear(arm, checks, q);
+    checks.deadline = None;
+    workspace.collision_workspace = stored;
+    // A check that the deadline cut short proves nothing.
+    Ok(Some(is_clear?).filter(|&clear| clear || !query.is_late()))
+}
+
 /// Removes solutions in collision from the workspace's order, and those for whose check there is no time.
 ///
 /// Returns true if all were checked.

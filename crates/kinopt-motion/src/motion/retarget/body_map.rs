@@ -9,8 +9,8 @@ use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-use super::RetargetError;
 use super::capture::check_named_once;
+use super::{HumanBones, RetargetError};
 use kinopt_kinematics::bad_option::{BadOption, Range};
 use kinopt_kinematics::spatial::{Matrix3, Vector3};
 
@@ -96,6 +96,10 @@ pub struct BodyMap {
     pub drives: Vec<Drive>,
     /// Captured joints that make contact; `None` for those with names of foot parts.
     pub contacts: Option<Vec<String>>,
+    /// Table of the character's human bones, for guesses. Its bones take precedence over names.
+    pub human_bones: HumanBones,
+    /// Table of the subject's human bones, for guesses. Its joints take precedence over names.
+    pub source_human_bones: HumanBones,
 }
 
 #[derive(Deserialize)]
@@ -114,6 +118,10 @@ struct File {
     drives: Option<BTreeMap<String, Value>>,
     #[serde(default)]
     contacts: Option<Vec<String>>,
+    #[serde(default)]
+    human_bones: HumanBones,
+    #[serde(default)]
+    source_human_bones: HumanBones,
 }
 
 /// File format of an assignment with more than the name of a frame.
@@ -195,7 +203,7 @@ impl DriveText {
         }
     }
 
-    fn of(drive: &Drive) -> Self {
+    pub(super) fn of(drive: &Drive) -> Self {
         let full = DriveInFull {
             frame: drive.frame.clone(),
             offset: drive.offset.to_array(),
@@ -218,7 +226,8 @@ impl BodyMap {
     ///  "contacts": ["LeftFoot"]}
     /// ```
     ///
-    /// All fields are optional. One file may contain the assignments of several robots, by the names of their files.
+    /// All fields are optional. `human_bones` and `source_human_bones` are tables of human bones of the character and the
+    /// subject, such as `{"hips": "J_Bip_C_Hips"}`. One file may contain the assignments of several robots, by the names of their files.
     /// `robot` selects one of them. A map without assignments for that robot is [completed](Self::completed) by names.
     ///
     /// # Errors
@@ -264,6 +273,8 @@ impl BodyMap {
             frame_rate: file.fps,
             up: file.up,
             contacts: file.contacts,
+            human_bones: file.human_bones,
+            source_human_bones: file.source_human_bones,
         })
     }
 
@@ -329,7 +340,7 @@ impl Drive {
     }
 
     /// Returns whether the joint's name contains that of a foot part.
-    pub(super) fn names_foot_part(&self) -> bool {
+    pub(in crate::motion) fn names_foot_part(&self) -> bool {
         let name = self.joint.to_lowercase();
         ["foot", "toe", "ankle", "heel", "sole"]
             .iter()

@@ -1,7 +1,10 @@
 //! Motion capture: joint positions of each capture frame.
 
-use super::RetargetError;
-use kinopt_animation::animation::{Armature, Clip, Cursor, Playback};
+use glam::DQuat;
+
+use super::joint_rotations::PosedTree;
+use super::{JointRotations, RetargetError};
+use kinopt_animation::animation::{Armature, Clip, Cursor, Mirror, Playback, Pose};
 use kinopt_kinematics::bad_option::{BadOption, POSITIVE};
 use kinopt_kinematics::model::UnknownName;
 use kinopt_kinematics::spatial::Vector3;
@@ -20,6 +23,8 @@ pub struct Capture {
     places: Vec<Vector3<f64>>,
     /// Joint after joint, if the capture is of a clip.
     rest: Option<Vec<Vector3<f64>>>,
+    /// Rotations of the joints, if the source has them.
+    posed: Option<PosedTree>,
     frame_rate: f64,
 }
 
@@ -72,11 +77,12 @@ impl Capture {
                 .collect(),
             names,
             rest: None,
+            posed: None,
             frame_rate,
         })
     }
 
-    /// Creates a capture from the bone positions of a clip, sampled from its start to its end.
+    /// Creates a capture from the bone positions and rotations of a clip, sampled from its start to its end.
     ///
     /// # Errors
     /// Returns the errors of [`new`](Self::new). Returns an error if the clip [is empty](Clip::is_empty), belongs to
@@ -108,8 +114,15 @@ impl Capture {
                 .map(|transform| origin(transform).into())
                 .collect()
         });
+        let parents = armature.bone_ids().map(|bone| armature.parent(bone));
+        let parents: Vec<Option<usize>> = parents
+            .map(|parent| parent.map(|bone| bone.index()))
+            .collect();
+        let mut rest_rotations = Vec::with_capacity(parents.len());
+        extend_with_rotations(&pose, &parents, &mut rest_rotations);
         let mut cursor = Cursor::new();
         let mut numbers = Vec::with_capacity(3 * frames * armature.bones());
+        let mut rotations = Vec::with_capacity(frames * armature.bones());
         for frame in 0..frames {
             let time = clip.start() + frame as f64 / frame_rate;
             let sampled = clip.sample(time, Playback::Hold, &mut cursor, &mut pose);
@@ -118,9 +131,52 @@ impl Capture {
                 return Err(RetargetError::NoFrames);
             }
             numbers.extend(transforms.iter().flat_map(origin));
+            extend_with_rotations(&pose, &parents, &mut rotations);
         }
         let capture = Self::new(armature.names().to_vec(), &numbers, frame_rate)?;
-        Ok(Self { rest, ..capture })
+        let posed = PosedTree {
+            parents,
+            rest: rest_rotations,
+            rotations,
+        };
+        Ok(Self {
+            posed: rest.is_some().then_some(posed),
+            rest,
+            ..capture
+        })
+    }
+
+    /// Adds the rotations of the joints, with their bone tree and rest pose. Retargeting to characters uses them.
+    ///
+    /// # Errors
+    /// Returns an error if a count differs from the joints or frames, if parents form a cycle, or if a quaternion's
+    /// length differs from 1 by more than 1e-3.
+    pub fn with_rotations(self, rotations: JointRotations) -> Result<Self, RetargetError> {
+        let (rest, posed) = rotations.checked(&self.names, self.frames())?;
+        Ok(Self {
+            rest: Some(rest),
+            posed: Some(posed),
+            ..self
+        })
+    }
+
+    /// Returns whether the capture has rotations of its joints.
+    #[must_use]
+    pub fn has_rotations(&self) -> bool {
+        self.posed.is_some()
+    }
+
+    /// Returns the rotations of the joints, if the source has them.
+    #[must_use]
+    pub fn rotations(&self) -> Option<JointRotations> {
+        let (posed, rest) = (self.posed.as_ref()?, self.rest.as_ref()?);
+        let numbers = |q: &DQuat| [q.w, q.x, q.y, q.z];
+        Some(JointRotations {
+            parents: posed.parents.clone(),
+            rest_positions: rest.clone(),
+            rest_rotations: posed.rest.iter().map(numbers).collect(),
+            rotations: posed.rotations.iter().map(numbers).collect(),
+        })
     }
 
     /// Names of the joints.
@@ -161,11 +217,35 @@ impl Capture {
         self.rest.as_deref()
     }
 
+    /// Tree, rest rotations and rotations of the joints, if the source has them.
+    pub(super) fn posed(&self) -> Option<&PosedTree> {
+        self.posed.as_ref()
+    }
+
     /// Returns the positions of all joints in a capture frame, or `None` beyond the last one.
     #[must_use]
     pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.names.len();
         self.places.get(frame * n..(frame + 1) * n)
+    }
+}
+
+/// Appends the rotation of each bone from the model, parents before children. Below mirrored bones it is that of the
+/// rigid bone, as in [`Armature::skeleton`].
+fn extend_with_rotations(pose: &Pose, parents: &[Option<usize>], to: &mut Vec<DQuat>) {
+    let first = to.len();
+    let mut mirrors: Vec<Mirror> = Vec::with_capacity(parents.len());
+    for ((parent, local), scale) in parents.iter().zip(pose.rotations()).zip(pose.scales()) {
+        let (above, mirror) = match parent {
+            Some(parent) => (
+                to.get(first + parent).copied().unwrap_or_default(),
+                mirrors.get(*parent).copied().unwrap_or(Mirror::NONE),
+            ),
+            None => (DQuat::IDENTITY, Mirror::NONE),
+        };
+        let local = local.as_dquat().normalize();
+        to.push((above * mirror.rotation(local)).normalize());
+        mirrors.push(mirror.below(*scale));
     }
 }
 

@@ -70,6 +70,33 @@ pub enum RetargetError {
         /// Name of the joint.
         joint: String,
     },
+    /// A count of rotations, rest positions or parents does not match the joints and frames.
+    #[error("the capture has {given} {what}, expected {expected}")]
+    RotationCount {
+        /// Name of the list.
+        what: &'static str,
+        /// Given length.
+        given: usize,
+        /// Expected length.
+        expected: usize,
+    },
+    /// A parent index is out of range, or the parents form a cycle.
+    #[error("joint `{joint}`: its parent is not a joint, or is below the joint")]
+    BadParent {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// A rotation is not a unit quaternion, or a rest position is not finite.
+    #[error(
+        "{}: joint `{joint}` needs a finite position and a quaternion w, x, y, z of length 1",
+        pose_name(*frame)
+    )]
+    BadRotation {
+        /// Name of the joint.
+        joint: String,
+        /// Index of the capture frame; `None` in the rest pose.
+        frame: Option<usize>,
+    },
     /// The capture has no frames.
     #[error("the capture has no frames: at least one is needed")]
     NoFrames,
@@ -108,6 +135,16 @@ pub enum RetargetError {
         /// First names.
         names: String,
     },
+    /// A map to a character lacks parts of the body.
+    #[error("{of} lack {missing}: found {found}; a map with `drives` names them")]
+    IncompleteBody {
+        /// Source of the names.
+        of: &'static str,
+        /// Missing parts.
+        missing: String,
+        /// Parts found, each with its joint or frame.
+        found: String,
+    },
     /// Capture and model have too few parts in common.
     #[error("a capture with {capture} and a model with {model} have too few body parts in common")]
     NothingInCommon {
@@ -124,6 +161,23 @@ pub enum RetargetError {
         /// First joints of the capture.
         joints: String,
     },
+    /// Markers of the set are missing.
+    #[error("markers of Plug-in Gait are missing: {missing}; the file has {markers}")]
+    MissingMarkers {
+        /// Missing markers.
+        missing: String,
+        /// Markers of the file.
+        markers: String,
+    },
+    /// The text of a terrain is invalid.
+    #[error("terrain: {0}")]
+    Terrain(String),
+    /// The hand of the capture or of the robot is invalid.
+    #[error("hand: {0}")]
+    Hand(String),
+    /// A held object is invalid.
+    #[error("object: {0}")]
+    Object(String),
     /// The text of a map is invalid.
     #[error("{0}")]
     Map(String),
@@ -143,6 +197,11 @@ impl RetargetError {
             _ => false,
         }
     }
+}
+
+/// Returns the name of a pose of the capture, for a message.
+fn pose_name(frame: Option<usize>) -> String {
+    frame.map_or_else(|| "rest pose".to_owned(), |frame| format!("frame {frame}"))
 }
 
 impl From<kinopt_solver::problem::ProblemError> for RetargetError {

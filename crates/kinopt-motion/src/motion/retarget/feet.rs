@@ -3,6 +3,7 @@
 use super::RetargetError;
 use super::frame_problem::FrameProblem;
 use super::limbs::Limbs;
+use super::on_terrain::SoleGround;
 use super::over_ground::{Footing, OverGround};
 use super::sole::Sole;
 use kinopt_kinematics::scalar::elementary;
@@ -25,6 +26,8 @@ pub(super) struct Feet {
 #[derive(Clone, Debug)]
 struct Foot {
     sole: Sole,
+    /// True if the foot has the subject's orientation, except during contact.
+    is_oriented: bool,
     task: TaskId<OverGround>,
     /// Ground height under each ball while its limb is in contact, metres.
     heights: Vec<f64>,
@@ -56,6 +59,7 @@ impl Feet {
             last_tilts: vec![0.0; sole.level.len()],
             orientation_locked: false,
             pose: Placement::identity(),
+            is_oriented: limbs.orients(sole),
             sole: sole.clone(),
         };
         Self {
@@ -68,19 +72,21 @@ impl Feet {
 
     /// Sets the task of each foot. A foot with all limbs in contact is locked.
     ///
-    /// Other feet stay above the ground, or above the ground under their contacts. They become flatter with increasing
+    /// `grounds` is the terrain under each foot, or empty for level ground. Other feet stay above the ground, or above the ground under their contacts. They become flatter with increasing
     /// contact.
     pub(super) fn set_targets(
         &self,
         targets: &mut Targets,
         anchors: &[Option<Vector3<f64>>],
         contacts: &[f64],
+        grounds: &[SoleGround],
     ) -> Result<(), RetargetError> {
-        for foot in &self.feet {
+        for (k, foot) in self.feet.iter().enumerate() {
+            let ground = grounds.get(k);
             let balls = &foot.sole.balls;
             let ground_height = |(ball, limb): (usize, usize)| match anchors[limb] {
                 Some(_) => foot.heights[ball],
-                None => 0.0,
+                None => ground.map_or(0.0, |ground| ground.heights[ball]),
             };
             let limbs = balls.iter().map(|(_, limb)| *limb).enumerate();
             let contact_level = balls.iter().map(|(_, limb)| contacts[*limb]);
@@ -93,7 +99,13 @@ impl Feet {
                 },
                 false => Footing::Above {
                     heights: limbs.map(ground_height).collect(),
-                    levelling: elementary::pow(self.landing_weight, contact_level),
+                    tilts: ground
+                        .map(|ground| ground.tilts.clone())
+                        .unwrap_or_default(),
+                    levelling: match foot.is_oriented {
+                        true => elementary::pow(self.landing_weight, contact_level) - 1.0,
+                        false => elementary::pow(self.landing_weight, contact_level),
+                    },
                 },
             };
             targets.get_mut(foot.task)?.set(&footing);

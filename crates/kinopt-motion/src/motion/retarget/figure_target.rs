@@ -5,7 +5,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{Affine3A, DQuat, DVec3};
 
-use super::{RetargetError, UpAxis};
+use super::anatomy::{JointTree, recognise};
+use super::up_detection::upright;
+use super::{BodyPart, RetargetError, UpAxis};
 use kinopt_animation::animation::{Armature, Clip, EulerPoseMap, Pose};
 use kinopt_kinematics::skeleton::{BoneId, Skeleton};
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -38,6 +40,8 @@ const BASE_LEN: usize = 7;
 #[derive(Clone, Debug)]
 pub struct FigureTarget {
     robot: Robot,
+    /// Skeleton with z up.
+    upright: Skeleton,
     angles: EulerPoseMap,
     up: UpAxis,
     names: Vec<String>,
@@ -68,6 +72,7 @@ impl FigureTarget {
         };
         Ok(Self {
             robot: robot.with_base_joint(BaseJoint::FREE)?,
+            upright: placed,
             angles: EulerPoseMap::new(skeleton),
             up,
             names: skeleton
@@ -77,6 +82,16 @@ impl FigureTarget {
                 .collect(),
             topmost: skeleton.bone_ids().filter(is_topmost).collect(),
         })
+    }
+
+    /// Returns the upward axis of a file: that from the ankles to the pelvis at rest.
+    #[must_use]
+    pub fn up_axis(skeleton: &Skeleton) -> Option<UpAxis> {
+        let (tree, _) = JointTree::of_character(skeleton.model())?;
+        let parts = recognise(&tree, &tree.positions).parts;
+        let at = |part: BodyPart| parts.get(&part).map(|joint| tree.positions[*joint]);
+        let ankles = 0.5 * (at(BodyPart::LeftAnkle)? + at(BodyPart::RightAnkle)?);
+        upright(Vector3::from((at(BodyPart::Pelvis)? - ankles).to_array()))
     }
 
     /// Creates a target from the bones of an armature. Bones in `turning` can rotate, all other bones are fixed.
@@ -97,6 +112,11 @@ impl FigureTarget {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// Skeleton with z up.
+    pub(super) fn upright(&self) -> &Skeleton {
+        &self.upright
     }
 
     /// Upward axis of the file.

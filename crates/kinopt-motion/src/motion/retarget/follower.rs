@@ -1,10 +1,14 @@
 //! Online retargeter: follows target positions sample by sample.
 
+use super::aligned_axis::AlignedAxis;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::FrameProblem;
+use super::frame_targets::FrameTargets;
 use super::pelvis_heading::HipLine;
+use super::point_difference::PointDifference;
+use super::relative_limb;
 use super::unit::Unit;
 use super::{RetargetError, Retargeting};
 use crate::motion::trajectory::{MotionError, step_limits};
@@ -29,6 +33,9 @@ const MAX_PENETRATION: f64 = 1e-3;
 /// noticeably.
 const CONTACT_WEIGHT: f64 = 300.0;
 
+/// Weight of the position of a hand on an object, relative to the largest weight of a point.
+pub(super) const GRASP_WEIGHT: f64 = 10.0;
+
 /// Weight of the posture, in metres of position per radian.
 const POSTURE_WEIGHT: f64 = 0.02;
 /// Weight of the previous configuration, in metres of position per radian; prevents jitter of undetermined joints.
@@ -43,7 +50,11 @@ pub struct BodyFollower {
     avoidance: Option<CollisionFreeFrames>,
     targets: Targets,
     points: Vec<TaskId<DrivenPoint>>,
-    hip_line: Option<TaskId<HipLine>>,
+    hip_line: Option<(HipLine, TaskId<PointDifference>)>,
+    /// Tasks of the limbs that follow the vector from their parents: limb, parent and task.
+    vectors: Vec<(usize, usize, TaskId<PointDifference>)>,
+    /// Tasks of the axes of feet and hands, with their weights.
+    axes: Vec<(TaskId<AlignedAxis>, f64)>,
     feet: Feet,
     /// Reference between the nominal posture and the previous configuration. `posture` has the nominal value of each
     /// coordinate.
@@ -104,7 +115,23 @@ impl BodyFollower {
         let points = limbs.all.iter();
         let points = points.map(|limb| tasks.add(DrivenPoint::new(limb.frame, limb.offset)));
         let points: Vec<_> = points.collect();
-        let hip_line = limbs.hip_line.clone().map(|line| tasks.add(line));
+        let hip_line = limbs.hip_line.clone().map(|line| {
+            let task = tasks.add(line.task());
+            (line, task)
+        });
+        let vectors = (0..limbs.all.len()).filter_map(|limb| {
+            let task = tasks.add(relative_limb::task(&limbs.all, limb)?);
+            Some((limb, limbs.all[limb].parent?, task))
+        });
+        let vectors: Vec<_> = vectors.collect();
+        let axes = limbs.orientations.driven();
+        let axes = axes.map(|axis| {
+            (
+                tasks.add(AlignedAxis::new(axis.frame, axis.axis)),
+                axis.weight,
+            )
+        });
+        let axes: Vec<_> = axes.collect();
         let combined =
             (POSTURE_WEIGHT * POSTURE_WEIGHT + PREVIOUS_POSE_WEIGHT * PREVIOUS_POSE_WEIGHT).sqrt();
         let stay_task =
@@ -121,7 +148,9 @@ impl BodyFollower {
         let x = vec![0.0; problem.variables()];
         let q = model.neutral();
         let speeds = robot.moves_within(1.0);
-        let weights: Vec<f64> = limbs.all.iter().map(|limb| limb.weight).collect();
+        let weights =
+            (0..limbs.all.len()).map(|limb| relative_limb::point_weight(&limbs.all, limb));
+        let weights: Vec<f64> = weights.collect();
         let size = weights
             .iter()
             .fold(POSTURE_WEIGHT * POSTURE_WEIGHT, |sum, weight| {
@@ -152,6 +181,8 @@ impl BodyFollower {
             max_weight: limbs.max_weight(),
             points,
             hip_line,
+            vectors,
+            axes,
             frame: FrameProblem::new(problem, size),
             x,
             unit: retargeting.unit,
@@ -199,23 +230,25 @@ impl BodyFollower {
         contacts: &[f64],
     ) -> Result<&[f64], RetargetError> {
         match self.unit.is_identity() {
-            true => self.follow(positions, contacts)?,
+            true => self.follow(&FrameTargets::of_points(positions, contacts))?,
             false => {
                 let scale = self.unit.scale();
                 let positions: Vec<_> =
                     positions.iter().map(|position| *position * scale).collect();
-                self.follow(&positions, contacts)?
+                self.follow(&FrameTargets::of_points(&positions, contacts))?
             }
         };
         Ok(&self.q)
     }
 
     /// Solves one sample with targets in the unit of the solved body. Returns its configuration.
-    pub(super) fn follow(
-        &mut self,
-        positions: &[Vector3<f64>],
-        contacts: &[f64],
-    ) -> Result<&[f64], RetargetError> {
+    pub(super) fn follow(&mut self, frame: &FrameTargets<'_>) -> Result<&[f64], RetargetError> {
+        let &FrameTargets {
+            positions,
+            contacts,
+            grounds,
+            ..
+        } = frame;
         let n = self.points.len();
         for (given, what) in [
             (positions.len(), "target positions"),
@@ -235,11 +268,11 @@ impl BodyFollower {
         {
             return Ok(&self.body_q);
         }
-        self.set_targets(positions, contacts)?;
+        self.set_targets(frame)?;
         let mut solved = self.descend();
         if solved && self.feet.lock_orientations(&self.anchors, MAX_PENETRATION) {
             self.feet
-                .set_targets(&mut self.targets, &self.anchors, contacts)?;
+                .set_targets(&mut self.targets, &self.anchors, contacts, grounds)?;
             solved = self.descend();
         }
         if solved {
@@ -309,11 +342,24 @@ impl BodyFollower {
     }
 
     /// Sets all targets: locked points stay, released ones blend back to their targets.
-    fn set_targets(
-        &mut self,
-        positions: &[Vector3<f64>],
-        contacts: &[f64],
-    ) -> Result<(), RetargetError> {
+    fn set_targets(&mut self, frame: &FrameTargets<'_>) -> Result<(), RetargetError> {
+        let &FrameTargets {
+            positions,
+            directions,
+            contacts,
+            grasps,
+            grounds,
+        } = frame;
+        let grasp = |limb: usize| grasps.get(limb).copied().unwrap_or(0.0);
+        for &(limb, parent, task) in &self.vectors {
+            let target = positions[limb] - positions[parent];
+            let task = self.targets.get_mut(task)?;
+            task.set_target(target);
+            task.set_share(1.0 - grasp(limb));
+        }
+        for (&(task, weight), direction) in self.axes.iter().zip(directions) {
+            self.targets.get_mut(task)?.set(*direction, weight);
+        }
         for (k, (&position, &contact)) in positions.iter().zip(contacts).enumerate() {
             let locked = contact >= 1.0;
             if let (false, Some(anchor)) = (locked, self.anchors[k]) {
@@ -328,15 +374,18 @@ impl BodyFollower {
             let weight = match self.anchors[k] {
                 Some(_) => CONTACT_WEIGHT * self.max_weight,
                 // Continuous from 1 to the touchdown weight.
-                None => base_weight * elementary::pow(self.landing_weight, contact.clamp(0.0, 1.0)),
+                None => {
+                    let landing = elementary::pow(self.landing_weight, contact.clamp(0.0, 1.0));
+                    base_weight * landing + GRASP_WEIGHT * self.max_weight * grasp(k)
+                }
             };
             let point = self.targets.get_mut(self.points[k])?;
             point.set(target, weight);
         }
         self.feet
-            .set_targets(&mut self.targets, &self.anchors, contacts)?;
-        if let Some(line) = self.hip_line {
-            self.targets.get_mut(line)?.set_direction(positions);
+            .set_targets(&mut self.targets, &self.anchors, contacts, grounds)?;
+        if let Some((line, task)) = &self.hip_line {
+            line.set_direction(positions, self.targets.get_mut(*task)?);
         }
         if self.has_solved {
             let ratio = PREVIOUS_POSE_WEIGHT * PREVIOUS_POSE_WEIGHT

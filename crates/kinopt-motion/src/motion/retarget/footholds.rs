@@ -54,8 +54,17 @@ impl Retargeting<'_> {
                     .filter(move |contact| contact.limb == limb);
                 contact.map(|contact| contact.span.clone())
             };
-            let mut ground_heights = vec![vec![0.0; sole.balls.len()]; self.frames()];
+            let level = vec![0.0; sole.balls.len()];
+            let ground = |frame: usize| self.frame_grounds(frame).get(k);
+            let heights = |frame: usize| {
+                ground(frame)
+                    .map_or(&level, |ground| &ground.heights)
+                    .clone()
+            };
+            let mut ground_heights: Vec<Vec<f64>> = (0..self.frames()).map(heights).collect();
             let mut contact_counts = vec![0; self.frames()];
+            let lowest_ground =
+                |frame: usize| heights(frame).into_iter().fold(f64::INFINITY, f64::min);
             for (ball, (shape, limb)) in sole.balls.iter().enumerate() {
                 for span in spans(*limb) {
                     // The lowest height of the contact, so that a resting foot is not lifted.
@@ -63,13 +72,14 @@ impl Retargeting<'_> {
                     let heights = heights.map(|placed| shape.height(&placed[k]));
                     let lowest = heights
                         .fold(f64::INFINITY, f64::min)
-                        .max(-MAX_REFERENCE_PENETRATION);
+                        .max(lowest_ground(span.start) - MAX_REFERENCE_PENETRATION);
                     for frame in span {
                         ground_heights[frame][ball] = lowest;
                         contact_counts[frame] += 1;
                     }
                 }
             }
+            let is_oriented = self.limbs.orients(sole);
             let mut footings: Vec<Footing> = Vec::with_capacity(self.frames());
             let mut locked_tilts: Option<Vec<f64>> = None;
             for (frame, heights) in ground_heights.into_iter().enumerate() {
@@ -77,10 +87,16 @@ impl Retargeting<'_> {
                 if !is_locked {
                     locked_tilts = None;
                     let levelling = match contact_counts[frame] {
+                        0 if is_oriented => 0.0,
                         0 => 1.0,
                         _ => self.options.landing_weight,
                     };
-                    footings.push(Footing::Above { heights, levelling });
+                    let tilts = ground(frame).map(|ground| ground.tilts.clone());
+                    footings.push(Footing::Above {
+                        heights,
+                        tilts: tilts.unwrap_or_default(),
+                        levelling,
+                    });
                     continue;
                 }
                 let tilts = locked_tilts

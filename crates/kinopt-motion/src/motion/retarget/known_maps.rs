@@ -22,15 +22,10 @@ const SKELETONS: [(&str, &str); 4] = [
     ("smpl", include_str!("../../../maps/skeletons/smpl.json")),
 ];
 
-const BODIES: [(&str, &str); 4] = [
-    ("g1", include_str!("../../../maps/bodies/g1.json")),
-    ("h1", include_str!("../../../maps/bodies/h1.json")),
-    (
-        "humanoid",
-        include_str!("../../../maps/bodies/humanoid.json"),
-    ),
-    ("nao", include_str!("../../../maps/bodies/nao.json")),
-];
+const BODIES: [(&str, &str); 1] = [(
+    "humanoid",
+    include_str!("../../../maps/bodies/humanoid.json"),
+)];
 
 /// Built-in skeleton with known joint names: `cmu`, `lafan1`, `mixamo` or `smpl`.
 #[derive(Clone, Debug, PartialEq, Eq)]

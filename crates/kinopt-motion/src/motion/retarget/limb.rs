@@ -19,6 +19,8 @@ pub(super) struct DrivenLimb {
     pub(super) makes_contact: bool,
     /// True if the point was moved from the mapped frame to the foot's frame.
     pub(super) is_heel: bool,
+    /// Position in the model's stance, metres.
+    pub(super) stance: Vector3<f64>,
     /// Height above the ground in the model's stance, metres.
     pub(super) clearance: f64,
     /// Height of the subject's joint on the ground, in the capture's unit.

@@ -1,10 +1,14 @@
 //! Target positions of a model from captured joint positions.
 
+use glam::DQuat;
+
 use super::limb::DrivenLimb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
+use super::orientations::Orientations;
 use super::pelvis_heading::HipLine;
 use super::sole::{Sole, ends_on_ground, soles};
+use super::subject_pose::SubjectPose;
 use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::motion::contact::mean_position;
@@ -25,6 +29,8 @@ pub(super) struct Limbs {
     pub(super) hips: Vec<usize>,
     /// Task of the pelvis heading.
     pub(super) hip_line: Option<HipLine>,
+    /// Orientations of feet and hands.
+    pub(super) orientations: Orientations,
     /// Contact geometry of feet with shapes.
     pub(super) soles: Vec<Sole>,
     up: UpAxis,
@@ -98,10 +104,12 @@ impl Limbs {
             .map(|limb| placed[limb.frame.index()].apply(limb.offset));
         let stance_positions: Vec<_> = stance_positions.collect();
         move_heels_to_feet(model, &mut all, shapes, placed);
+        let orientations = Orientations::new(model, &all, capture, up, placed);
         let soles = soles(model, &all, shapes, placed);
         let ground = ground_of_stance(&soles, &stance_positions, placed);
         for (limb, position) in all.iter_mut().zip(&stance_positions) {
             limb.clearance = position.z - ground;
+            limb.stance = *position;
         }
         let feet = all
             .iter()
@@ -133,6 +141,7 @@ impl Limbs {
         let mut limbs = Self {
             hips: hips(&all),
             hip_line: None,
+            orientations,
             soles,
             all,
             up,
@@ -155,11 +164,21 @@ impl Limbs {
     ///
     /// The root and feet are scaled by the leg ratio in the world. Other limbs follow their parents with scaled
     /// lengths.
-    pub(super) fn write_targets(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
+    pub(super) fn write_targets(
+        &self,
+        captured: &[Vector3<f64>],
+        rotations: Option<&[DQuat]>,
+        to: &mut Vec<Vector3<f64>>,
+    ) {
         to.clear();
         let upright_position = |limb: &DrivenLimb| self.up.upright(captured[limb.joint]);
-        for limb in &self.all {
+        for (k, limb) in self.all.iter().enumerate() {
             let position = upright_position(limb);
+            if let (Some(foot), Some(ankle)) = (self.orientations.foot_of_toe(k), limb.parent) {
+                let axes = foot.axes(&SubjectPose::new(self.up, captured, rotations));
+                to.push(to[ankle] + foot.toe_offset(&axes));
+                continue;
+            }
             to.push(match limb.parent {
                 Some(parent) if !self.is_in_world(limb) => {
                     to[parent] + (position - upright_position(&self.all[parent])) * limb.scale
@@ -186,6 +205,28 @@ impl Limbs {
                 }
             });
         }
+    }
+
+    /// Upward axis of the capture.
+    pub(super) fn up(&self) -> UpAxis {
+        self.up
+    }
+
+    /// Returns whether the foot of a sole has the subject's orientation.
+    pub(super) fn orients(&self, sole: &Sole) -> bool {
+        let mut limbs = sole.balls.iter().map(|(_, limb)| *limb);
+        limbs.any(|limb| self.orientations.has_foot(limb))
+    }
+
+    /// Writes the directions of the driven axes of feet and hands.
+    pub(super) fn write_directions(
+        &self,
+        captured: &[Vector3<f64>],
+        rotations: Option<&[DQuat]>,
+        to: &mut Vec<Vector3<f64>>,
+    ) {
+        let pose = SubjectPose::new(self.up, captured, rotations);
+        self.orientations.write_directions(&pose, to);
     }
 
     /// Converts a position to the model's world.
@@ -273,6 +314,7 @@ fn mapped_limbs(
                 None => drive.names_foot_part(),
             },
             is_heel: false,
+            stance: Vector3::zero(),
             clearance: 0.0,
             ground: 0.0,
         });

@@ -2,6 +2,10 @@
 
 use std::collections::VecDeque;
 
+use glam::DQuat;
+
+use super::character::{CharacterFollower, SubjectFrame};
+use super::frame_targets::FrameTargets;
 use super::limbs::Limbs;
 use super::{BodyFollower, RetargetError, Retargeting};
 use crate::motion::ContactDetection;
@@ -22,11 +26,14 @@ pub struct LiveFollower {
     frame_rate: f64,
     joints: usize,
     positions: Vec<Vector3<f64>>,
+    directions: Vec<Vector3<f64>>,
     /// Previous targets of the driven points, the last ones at the end.
     history: VecDeque<Vec<Vector3<f64>>>,
     /// Number of capture frames for which each point has been still.
     still_frames: Vec<usize>,
     contact_levels: Vec<f64>,
+    /// Transfer of rotations to a character.
+    character: Option<CharacterFollower>,
 }
 
 impl Retargeting<'_> {
@@ -43,9 +50,16 @@ impl Retargeting<'_> {
             frame_rate: self.frame_rate,
             joints: self.joints,
             positions: Vec::with_capacity(driven),
+            directions: Vec::new(),
             history: VecDeque::with_capacity(SPEED_WINDOW),
             still_frames: vec![0; driven],
             contact_levels: vec![0.0; driven],
+            character: self.rotated_character_motion().map(|motion| {
+                let q = self.body.model().neutral();
+                let contacts = self.options.contacts;
+                let inverse_scale = self.unit.inverse_scale();
+                CharacterFollower::new(motion, contacts, self.frame_rate, (q, inverse_scale))
+            }),
             limbs,
         })
     }
@@ -55,7 +69,10 @@ impl LiveFollower {
     /// Current configuration.
     #[must_use]
     pub fn q(&self) -> &[f64] {
-        self.follower.q()
+        match &self.character {
+            Some(character) => character.q(),
+            None => self.follower.q(),
+        }
     }
 
     /// Number of joints of a capture frame.
@@ -73,11 +90,50 @@ impl LiveFollower {
     /// Retargets the next capture frame and returns its configuration.
     ///
     /// `captured` are joint positions in the capture's order, unit and axes. If a position is not finite, the
-    /// configuration stays unchanged.
+    /// configuration stays unchanged. A character gets the rotations that the positions determine; see
+    /// [`step_with_rotations`](Self::step_with_rotations).
     ///
     /// # Errors
     /// Returns an error if the number of joints is wrong.
     pub fn step(&mut self, captured: &[Vector3<f64>]) -> Result<&[f64], RetargetError> {
+        self.step_to(captured, None)
+    }
+
+    /// Retargets the next capture frame with the rotations of its joints, and returns its configuration.
+    ///
+    /// `rotations` are unit quaternions w, x, y, z from the joints to the capture's world, as in
+    /// [`JointRotations`](super::JointRotations). They are used if the capture has rotations. If a number is not finite,
+    /// the configuration stays unchanged.
+    ///
+    /// # Errors
+    /// Returns an error if the number of joints or rotations is wrong.
+    pub fn step_with_rotations(
+        &mut self,
+        captured: &[Vector3<f64>],
+        rotations: &[[f64; 4]],
+    ) -> Result<&[f64], RetargetError> {
+        if rotations.len() != self.joints {
+            return Err(RetargetError::RotationCount {
+                what: "rotations",
+                given: rotations.len(),
+                expected: self.joints,
+            });
+        }
+        let unit = |[w, x, y, z]: &[f64; 4]| {
+            let q = DQuat::from_xyzw(*x, *y, *z, *w);
+            (q.is_finite() && q.length_squared() > 0.0).then(|| q.normalize())
+        };
+        let Some(rotations) = rotations.iter().map(unit).collect::<Option<Vec<DQuat>>>() else {
+            return Ok(self.q());
+        };
+        self.step_to(captured, Some(&rotations))
+    }
+
+    fn step_to(
+        &mut self,
+        captured: &[Vector3<f64>],
+        rotations: Option<&[DQuat]>,
+    ) -> Result<&[f64], RetargetError> {
         if captured.len() != self.joints {
             return Err(RetargetError::NotFrames {
                 numbers: 3 * captured.len(),
@@ -85,12 +141,28 @@ impl LiveFollower {
             });
         }
         if !captured.iter().all(Vector3::is_finite) {
-            return Ok(self.follower.q());
+            return Ok(self.q());
         }
-        self.limbs.write_targets(captured, &mut self.positions);
+        if let Some(character) = &mut self.character {
+            character.step(SubjectFrame {
+                positions: captured,
+                rotations,
+            });
+            return Ok(self.q());
+        }
+        self.limbs
+            .write_targets(captured, rotations, &mut self.positions);
+        self.directions.clear();
+        self.limbs
+            .write_directions(captured, rotations, &mut self.directions);
         self.detect_contacts();
-        self.follower
-            .follow(&self.positions, &self.contact_levels)?;
+        self.follower.follow(&FrameTargets {
+            positions: &self.positions,
+            directions: &self.directions,
+            contacts: &self.contact_levels,
+            grasps: &[],
+            grounds: &[],
+        })?;
         Ok(self.follower.q())
     }
 

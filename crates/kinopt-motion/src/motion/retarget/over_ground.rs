@@ -34,8 +34,13 @@ pub(super) struct OverGround {
 /// Constraint of a foot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Footing {
-    /// Stays above the ground heights of its balls, metres. `levelling` scales the weight of its tilt.
-    Above { heights: Vec<f64>, levelling: f64 },
+    /// Stays above the ground heights of its balls, metres. `levelling` scales the weight of the tilts of its level
+    /// directions; none for level ground.
+    Above {
+        heights: Vec<f64>,
+        tilts: Vec<f64>,
+        levelling: f64,
+    },
     /// Keeps the tilts of its level directions, and stays above the ground heights of its balls if there are any.
     /// `orientation_locked` selects the weight of a locked orientation.
     Locked {
@@ -60,6 +65,7 @@ impl OverGround {
         Self {
             footing: Footing::Above {
                 heights: vec![0.0; sole.balls.len()],
+                tilts: Vec::new(),
                 levelling: 1.0,
             },
             raised: vec![0.0; sole.balls.len()],
@@ -104,7 +110,12 @@ impl OverGround {
     /// Returns the target slope of a direction and its weight per radian.
     fn tilt(&self, direction: usize) -> (f64, f64) {
         match &self.footing {
-            Footing::Above { levelling, .. } => (0.0, TILT_WEIGHT * levelling),
+            Footing::Above {
+                tilts, levelling, ..
+            } => {
+                let tilt = tilts.get(direction).copied().unwrap_or(0.0);
+                (tilt, TILT_WEIGHT * levelling)
+            }
             Footing::Locked {
                 tilts,
                 orientation_locked,
@@ -220,6 +231,8 @@ mod tests {
             frame,
             balls: vec![(FootBall { frame, at, radius }, 0)],
             level: Vec::new(),
+            stance_balls: Vec::new(),
+            stance_level: Vec::new(),
         };
         let mut task = OverGround::new(&sole, 3.0, 2.0);
         let mut raise = |height: f64| {

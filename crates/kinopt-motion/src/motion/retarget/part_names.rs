@@ -130,7 +130,9 @@ struct NameParts {
 }
 
 /// Returns the index of each part among names. The first of several matches counts.
-pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
+pub(in crate::motion) fn parts_of<'a>(
+    names: impl Iterator<Item = &'a str>,
+) -> BTreeMap<BodyPart, usize> {
     parts_where(names, |_, _| true)
 }
 
@@ -181,7 +183,7 @@ pub(super) fn parts_where<'a>(
 }
 
 /// Returns a name in lower case, without namespace prefixes of Mixamo, Maya and similar tools, and without separators.
-pub(super) fn bare(name: &str) -> String {
+pub(in crate::motion) fn bare(name: &str) -> String {
     words(name).concat()
 }
 
@@ -216,7 +218,7 @@ fn is_ignored(word: &str) -> bool {
 /// Splits a name into lower-case words at changes of case and at separators.
 ///
 /// Numbers between separators are dropped. Numbers at the end of a word are kept, as in `Spine1`.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let after = name.rsplit([':', '|']).next().unwrap_or(name);
     let after = match after.strip_prefix("mixamorig") {
         Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '_'),

@@ -1,5 +1,6 @@
 //! Report of a retargeted motion: errors, contacts and collisions.
 
+use crate::motion::score::MotionScore;
 use kinopt_kinematics::spatial::Vector3;
 use kinopt_solver::problem::Collision;
 
@@ -19,8 +20,9 @@ pub struct RetargetReport {
     pub contact_points: Vec<Vector3<f64>>,
     /// Flags whether each of these points is in contact, sample by sample.
     pub contacts: Vec<bool>,
-    /// Mean position error of the driven points over all samples, metres.
-    pub mean_error: f64,
+    /// Figures next to the person: direction errors of the limbs, position errors of hands and feet, foot sliding and
+    /// more.
+    pub score: MotionScore,
     /// Largest distance of a contact point from its touchdown position, metres (foot sliding).
     pub slip: f64,
     /// Largest ground penetration of a foot with a shape, metres; 0 if there is none.
@@ -54,11 +56,9 @@ pub struct LostContact {
     pub contact_frame: String,
 }
 
-/// Accumulates position errors and foot sliding.
+/// Accumulates foot sliding and lost contacts.
 #[derive(Debug)]
 pub(super) struct Measures {
-    sum: f64,
-    count: usize,
     states: Vec<ContactState>,
     pub(super) slip: f64,
     pub(super) ground_penetration: f64,
@@ -77,8 +77,6 @@ enum ContactState {
 impl Measures {
     pub(super) fn new(limbs: usize) -> Self {
         Self {
-            sum: 0.0,
-            count: 0,
             states: vec![ContactState::None; limbs],
             slip: 0.0,
             ground_penetration: 0.0,
@@ -92,11 +90,8 @@ impl Measures {
         frame: usize,
         limb: usize,
         position: Vector3<f64>,
-        target: Vector3<f64>,
         planned: bool,
     ) -> bool {
-        self.sum += (position - target).norm();
-        self.count += 1;
         let state = &mut self.states[limb];
         match (planned, *state) {
             (false, _) => *state = ContactState::None,
@@ -114,10 +109,6 @@ impl Measures {
         }
         matches!(state, ContactState::At(_))
     }
-
-    pub(super) fn mean_error(&self) -> f64 {
-        self.sum / self.count.max(1) as f64
-    }
 }
 
 #[cfg(test)]
@@ -130,7 +121,7 @@ mod tests {
         let mut measures = Measures::new(1);
         let mut add = |frame: usize, x: f64, planned: bool| {
             let position = Vector3::new(x, 0.0, 0.0);
-            measures.add(frame, 0, position, position, planned)
+            measures.add(frame, 0, position, planned)
         };
         assert!(add(0, 0.0, true) && add(1, 0.9e-3, true));
         // A slide counts once, independent of its length.

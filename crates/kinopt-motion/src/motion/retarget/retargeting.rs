@@ -5,23 +5,29 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::character::CharacterMotion;
 use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::{LimbContact, plant_limbs};
+use super::frame_targets::FrameTargets;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
+use super::on_terrain::SoleGround;
 use super::retarget_report::{LostContact, Measures};
+use super::sole::Sole;
+use super::terrain::Terrain;
 use super::unit::{ScaledObstacles, Unit};
 use super::{
     BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, RetargetReport,
     Touching, UpAxis,
 };
 use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
+use crate::motion::score::{Heading, MotionScorer, ScoreError};
 use crate::motion::trajectory::{MotionError, Windows};
 use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use kinopt_kinematics::kinematics::{ForwardKinematics, KinematicsError};
 use kinopt_kinematics::model::FrameId;
-use kinopt_kinematics::spatial::Vector3;
+use kinopt_kinematics::spatial::{Placement, Vector3};
 use kinopt_robot::robot::Robot;
 use kinopt_solver::problem::CollisionAvoidance;
 
@@ -44,6 +50,8 @@ pub struct RetargetOptions {
     /// During contact the point is locked at its touchdown position, because its target may be unreachable for other
     /// proportions.
     pub landing_weight: f64,
+    /// Steps and slopes onto which the motion of a recorded capture is moved; `None` for level ground.
+    pub terrain: Option<Terrain>,
     /// For whole trajectories: cost of an acceleration of 1 rad/s², in metres of position error. For a model in its own
     /// unit, metres of a body with legs 0.9 m long.
     pub acceleration: f64,
@@ -60,6 +68,7 @@ impl Default for RetargetOptions {
             contacts: ContactDetection::default(),
             shapes: None,
             landing_weight: 4.0,
+            terrain: None,
             acceleration: 1e-4,
             tolerance: 0.03,
             windows: Windows::new(120, 30),
@@ -93,6 +102,13 @@ impl RetargetOptions {
     #[must_use]
     pub fn with_landing_weight(mut self, weight: f64) -> Self {
         self.landing_weight = weight;
+        self
+    }
+
+    /// Sets the terrain onto which the motion is moved.
+    #[must_use]
+    pub fn with_terrain(mut self, terrain: impl Into<Option<Terrain>>) -> Self {
+        self.terrain = terrain.into();
         self
     }
 
@@ -132,9 +148,21 @@ pub struct Retargeting<'r> {
     pub(super) joints: usize,
     /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
+    /// Directions of the driven axes of feet and hands, by capture frame.
+    pub(super) directions: Arc<[Vector3<f64>]>,
+    /// Levels at which hands hold an object, by capture frame and driven point; empty without an object.
+    pub(super) grasps: Arc<[f64]>,
+    /// Poses of a held object, by capture frame; empty without one.
+    pub(super) object_poses: Arc<[Placement<f64>]>,
+    /// Terrain under the soles, by capture frame; empty for level ground.
+    grounds: Arc<[SoleGround]>,
     /// Targets in the robot's unit, by capture frame.
-    model_targets: Arc<[Vector3<f64>]>,
+    pub(super) model_targets: Arc<[Vector3<f64>]>,
     pub(super) limb_contacts: Vec<LimbContact>,
+    /// Transfer of rotations to a character.
+    pub(super) character: Option<Arc<CharacterMotion>>,
+    /// Scorer next to the person.
+    scorer: MotionScorer<'r>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -159,6 +187,11 @@ impl<'r> Retargeting<'r> {
         let shapes = options.shapes.clone();
         let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
         let mut limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
+        let scorer = MotionScorer::of_subject(robot, capture, map, up).map_err(as_score_error)?;
+        let scorer = scorer
+            .with_shapes(shapes.clone())
+            .with_contacts(options.contacts)
+            .with_heading(Heading::Fixed(0.0));
         let frame_rate = capture.frame_rate();
         let mut options = options;
         let unit = Unit::of(model, &limbs);
@@ -174,11 +207,31 @@ impl<'r> Retargeting<'r> {
         }
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
         let mut positions = Vec::new();
-        for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
-            limbs.write_targets(captured, &mut positions);
+        let mut directions = Vec::new();
+        let joints = capture.names().len();
+        for frame in 0..capture.frames() {
+            let captured = capture.frame(frame).unwrap_or_default();
+            let rotations = capture
+                .posed()
+                .and_then(|posed| posed.rotations.get(frame * joints..(frame + 1) * joints));
+            limbs.write_targets(captured, rotations, &mut positions);
             targets.extend_from_slice(&positions);
+            limbs.write_directions(captured, rotations, &mut directions);
         }
-        let limb_contacts = plant_limbs(&options.contacts, &limbs, frame_rate, &mut targets);
+        let terrain = options.terrain.as_ref();
+        let (limb_contacts, grounds) =
+            plant_limbs(&options.contacts, &limbs, frame_rate, terrain, &mut targets);
+        let grounds = terrain.map_or(Vec::new(), |terrain| {
+            let (targets, directions) = (&mut targets, &mut directions);
+            limbs.follow_terrain(
+                terrain,
+                frame_rate,
+                &limb_contacts,
+                &grounds,
+                targets,
+                directions,
+            )
+        });
         let targets: Arc<[Vector3<f64>]> = targets.into();
         let model_targets = match unit.is_identity() {
             true => Arc::clone(&targets),
@@ -192,12 +245,18 @@ impl<'r> Retargeting<'r> {
             body,
             unit,
             model_targets,
+            directions: directions.into(),
+            grounds: grounds.into(),
+            grasps: Arc::new([]),
+            object_poses: Arc::new([]),
             options,
             limbs,
             frame_rate,
             joints: capture.names().len(),
             targets,
             limb_contacts,
+            character: None,
+            scorer,
             obstacles: None,
             cancelled: None,
         })
@@ -258,6 +317,25 @@ impl<'r> Retargeting<'r> {
         self.limbs.all.iter().map(|limb| limb.frame).collect()
     }
 
+    /// Names of the limbs whose directions are compared, in the order of [`limb_angles`](Self::limb_angles).
+    #[must_use]
+    pub fn limbs(&self) -> Vec<&'static str> {
+        self.scorer.limbs()
+    }
+
+    /// Returns the angle between each limb of the subject and of the model, degrees. The angles are sorted by sample,
+    /// then in the order of [`limbs`](Self::limbs).
+    ///
+    /// # Errors
+    /// Returns an error if the configurations do not fit the model.
+    pub fn limb_angles(
+        &self,
+        retargeted: &Trajectory<RetargetReport>,
+    ) -> Result<Vec<f64>, RetargetError> {
+        let angles = self.scorer.limb_angles(&retargeted.q, self.frame_rate);
+        angles.map_err(as_score_error)
+    }
+
     /// Ratio of the model's steps to the subject's, in the model's unit.
     #[must_use]
     pub fn stride(&self) -> f64 {
@@ -285,8 +363,32 @@ impl<'r> Retargeting<'r> {
         targets.unwrap_or_default()
     }
 
+    /// Returns the directions of the driven axes of feet and hands in a capture frame.
+    pub(super) fn frame_directions(&self, frame: usize) -> &[Vector3<f64>] {
+        let n = self.directions.len() / self.frames().max(1);
+        self.directions
+            .get(frame * n..(frame + 1) * n)
+            .unwrap_or_default()
+    }
+
+    /// Returns the level at which each driven point holds an object in a capture frame; empty without an object.
+    pub(super) fn frame_grasps(&self, frame: usize) -> &[f64] {
+        let n = self.limbs.all.len();
+        self.grasps
+            .get(frame * n..(frame + 1) * n)
+            .unwrap_or_default()
+    }
+
+    /// Returns the terrain under the soles in a capture frame; empty for level ground.
+    pub(super) fn frame_grounds(&self, frame: usize) -> &[SoleGround] {
+        let n = self.limbs.soles.len();
+        self.grounds
+            .get(frame * n..(frame + 1) * n)
+            .unwrap_or_default()
+    }
+
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
-    fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
+    pub(super) fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         for (limb, contact_levels) in contact_levels.iter_mut().enumerate() {
             let levels = self.neighbouring_spans(limb, frame).map(|span| {
@@ -324,6 +426,18 @@ impl<'r> Retargeting<'r> {
         contacts.map(|contact| &contact.span)
     }
 
+    /// Transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character(&self) -> Option<&CharacterMotion> {
+        let character = self.character.as_deref();
+        character.filter(|_| self.obstacles.is_none())
+    }
+
+    /// Shared transfer of rotations, unless collisions are avoided.
+    pub(super) fn rotated_character_motion(&self) -> Option<Arc<CharacterMotion>> {
+        self.rotated_character()?;
+        self.character.clone()
+    }
+
     /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
     ///
     /// # Errors
@@ -340,6 +454,10 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.per_frame(self.cancelled.as_deref())?;
+            return self.measure(q);
+        }
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }
@@ -357,7 +475,14 @@ impl<'r> Retargeting<'r> {
                 return Err(MotionError::Cancelled.into());
             }
             self.contact_levels(frame, &mut contact_levels);
-            q.extend_from_slice(follower.follow(self.body_targets(frame), &contact_levels)?);
+            let targets = FrameTargets {
+                positions: self.body_targets(frame),
+                directions: self.frame_directions(frame),
+                contacts: &contact_levels,
+                grasps: self.frame_grasps(frame),
+                grounds: self.frame_grounds(frame),
+            };
+            q.extend_from_slice(follower.follow(&targets)?);
             avoiding.push(
                 follower
                     .avoidance()
@@ -365,6 +490,18 @@ impl<'r> Retargeting<'r> {
             );
         }
         Ok((q, avoiding))
+    }
+
+    /// Returns the ground penetration of a sole, metres.
+    fn depth(&self, sole: &Sole, placed: &Placement<f64>) -> f64 {
+        let Some(terrain) = &self.options.terrain else {
+            return -sole.lowest(placed);
+        };
+        let depths = sole.balls.iter().map(|(ball, _)| {
+            let centre = placed.apply(ball.at);
+            terrain.height(centre.x, centre.y) - ball.height(placed)
+        });
+        depths.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Measures the errors of configurations of the solved body, and scales them to the robot's unit.
@@ -390,13 +527,13 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
             self.write_contacts(frame, &mut in_contact);
-            let targets = self.body_targets(frame);
-            for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
+            for (k, limb) in self.limbs.all.iter().enumerate() {
                 let position = placed[k].apply(limb.offset);
-                in_contact[k] = measures.add(frame, k, position, *target, in_contact[k]);
+                in_contact[k] = measures.add(frame, k, position, in_contact[k]);
             }
             for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
-                measures.ground_penetration = measures.ground_penetration.max(-sole.lowest(placed));
+                measures.ground_penetration =
+                    measures.ground_penetration.max(self.depth(sole, placed));
             }
             contacts.extend(contact_limbs.iter().map(|&limb| in_contact[limb]));
         }
@@ -425,7 +562,10 @@ impl<'r> Retargeting<'r> {
                 .map(|limb| self.limbs.all[*limb].offset * inverse_scale)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error() * inverse_scale,
+            score: self
+                .scorer
+                .score(&q, self.frame_rate)
+                .map_err(as_score_error)?,
             slip: measures.slip * inverse_scale,
             ground_penetration: measures.ground_penetration * inverse_scale,
         };
@@ -453,6 +593,13 @@ impl Retargeting<'_> {
             Some(Touching { frame, pair })
         });
         touching.collect()
+    }
+}
+
+fn as_score_error(error: ScoreError) -> RetargetError {
+    match error {
+        ScoreError::Map(error) => error,
+        error => RetargetError::Map(error.to_string()),
     }
 }
 

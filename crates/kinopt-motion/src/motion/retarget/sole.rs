@@ -24,6 +24,9 @@ pub(super) struct Sole {
     /// Directions that are level if the foot is flat on the ground, and not determined by its contact points. One is
     /// across the foot; for a single contact point there are two.
     pub(super) level: Vec<Vector3<f64>>,
+    /// Centres of the balls, and level directions, in the model's stance.
+    pub(super) stance_balls: Vec<Vector3<f64>>,
+    pub(super) stance_level: Vec<Vector3<f64>>,
 }
 
 impl Sole {
@@ -138,12 +141,20 @@ pub(super) fn soles(
             let at = foot_from_world.apply(at);
             Some((FootBall { frame, at, radius }, limb))
         });
-        let level = level_directions(&limbs).into_iter();
-        let level = level.map(|direction| foot_from_world.rotation * direction);
+        let balls: Vec<(FootBall, usize)> = balls.collect();
+        let stance_level = level_directions(&limbs);
+        let level = stance_level
+            .iter()
+            .map(|direction| foot_from_world.rotation * *direction);
         Sole {
             frame,
-            balls: balls.collect(),
+            stance_balls: balls
+                .iter()
+                .map(|(ball, _)| placed[frame.index()].apply(ball.at))
+                .collect(),
+            balls,
             level: level.collect(),
+            stance_level,
         }
     };
     feet.into_iter().map(sole).collect()

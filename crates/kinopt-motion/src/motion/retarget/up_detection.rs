@@ -25,7 +25,7 @@ impl Capture {
     /// ```
     #[must_use]
     pub fn up_axis(&self) -> Option<UpAxis> {
-        let (joints, _) = parts_of_capture(self);
+        let joints = parts_of_capture(self).joints;
         let moving = upright_axis(self, &joints);
         let resting = self.rest().and_then(|rest| {
             let legs = leg_joints(&joints)?;
@@ -69,7 +69,7 @@ fn pelvis_above_ankles(
 }
 
 /// Returns the axis in whose positive direction a displacement points, if one dominates.
-fn upright(above: Vector3<f64>) -> Option<UpAxis> {
+pub(super) fn upright(above: Vector3<f64>) -> Option<UpAxis> {
     let [_, y, z] = above.to_array();
     upward(above).filter(|axis| match axis {
         UpAxis::Y => y > 0.0,

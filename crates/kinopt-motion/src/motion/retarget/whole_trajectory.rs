@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use super::aligned_axis::AlignedAxis;
 use super::contacts::LimbContact;
 use super::driven_point::DrivenPoint;
-use super::follower::posture;
+use super::follower::{GRASP_WEIGHT, posture};
 use super::footholds::Footholds;
+use super::relative_limb;
 use super::retargeting::as_map_error;
 use super::{RetargetError, RetargetReport, Retargeting};
 use crate::motion::contact::smooth;
@@ -40,6 +42,11 @@ impl Retargeting<'_> {
         &self,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Trajectory<RetargetReport>, RetargetError> {
+        if let Some(character) = self.rotated_character() {
+            let q = character.whole(self.cancelled.as_deref())?;
+            progress(self.frames());
+            return self.measure(q);
+        }
         let (mut q, mut avoidance) = self.follow_all()?;
         let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
         // A smoothed trajectory may collide at other samples than the online result.
@@ -101,9 +108,32 @@ impl Retargeting<'_> {
             });
         }
         if let Some(line) = self.limbs.hip_line.clone() {
-            let (line, targets) = (motion.add(line), Arc::clone(&self.targets));
-            motion.follow(line, move |frame, line| {
-                line.set_direction(&targets[frame * n..(frame + 1) * n]);
+            let (task, targets) = (motion.add(line.task()), Arc::clone(&self.targets));
+            motion.follow(task, move |frame, task| {
+                line.set_direction(&targets[frame * n..(frame + 1) * n], task);
+            });
+        }
+        for (k, limb) in self.limbs.all.iter().enumerate() {
+            let (Some(task), Some(parent)) = (relative_limb::task(&self.limbs.all, k), limb.parent)
+            else {
+                continue;
+            };
+            let (task, targets) = (motion.add(task), Arc::clone(&self.targets));
+            let grasps = Arc::clone(&self.grasps);
+            motion.follow(task, move |frame, task| {
+                task.set_target(targets[frame * n + k] - targets[frame * n + parent]);
+                task.set_share(1.0 - grasps.get(frame * n + k).copied().unwrap_or(0.0));
+            });
+        }
+        let driven: Vec<_> = self.limbs.orientations.driven().cloned().collect();
+        for (k, axis) in driven.iter().enumerate() {
+            let (weight, count) = (axis.weight, driven.len());
+            let (task, directions) = (
+                motion.add(AlignedAxis::new(axis.frame, axis.axis)),
+                Arc::clone(&self.directions),
+            );
+            motion.follow(task, move |frame, task| {
+                task.set(directions[frame * count + k], weight)
             });
         }
         motion.add(posture(model));
@@ -135,9 +165,12 @@ impl Retargeting<'_> {
         let model = self.body.model();
         let n = self.limbs.all.len();
         let max_weight = self.limbs.max_weight();
-        let weights = self.limbs.all.iter().map(|limb| limb.weight);
+        let weights = (0..n).map(|limb| relative_limb::point_weight(&self.limbs.all, limb));
         let mut weighted_targets: Vec<_> =
             self.targets.iter().copied().zip(weights.cycle()).collect();
+        for ((_, weight), grasp) in weighted_targets.iter_mut().zip(&*self.grasps) {
+            *weight += GRASP_WEIGHT * max_weight * grasp;
+        }
         let mut kinematics =
             ForwardKinematics::of_frames(model, &self.driven()).map_err(as_map_error)?;
         let lead = self.options.contacts.lead_frames(self.frame_rate);

@@ -2,6 +2,7 @@
 
 mod appended_clip;
 mod external_files;
+mod humanoid;
 mod image_type;
 mod json_edit;
 
@@ -204,7 +205,7 @@ impl SceneFile {
         bytes_of(&self.document, &self.container)
     }
 
-    /// Writes a `.glb` or `.gltf` file. In another folder than the original, images and buffers with relative paths are
+    /// Writes a `.glb`, `.gltf` or `.vrm` file; VRM files are GLB files. In another folder than the original, images and buffers with relative paths are
     /// embedded. References to missing files stay, and so do all references of a document from memory.
     ///
     /// # Errors
@@ -217,8 +218,8 @@ impl SceneFile {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         let (mut document, mut container) = (self.document.clone(), self.container.clone());
         match (extension.to_str(), &container) {
-            (Some("glb"), Container::Binary { .. }) | (Some("gltf"), Container::Text) => {}
-            (Some("glb"), Container::Text) => {
+            (Some("glb" | "vrm"), Container::Binary { .. }) | (Some("gltf"), Container::Text) => {}
+            (Some("glb" | "vrm"), Container::Text) => {
                 container = Container::Binary {
                     buffer: Vec::new(),
                     others: Vec::new(),
@@ -229,7 +230,7 @@ impl SceneFile {
                 moved.map_err(|error| fail(error.to_string()))?;
                 container = Container::Text;
             }
-            _ => return Err(fail("scenes are written as .glb or .gltf".into())),
+            _ => return Err(fail("scenes are written as .glb, .gltf or .vrm".into())),
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         if let Some(allowed) = &self.allowed {

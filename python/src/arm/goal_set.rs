@@ -1,0 +1,264 @@
+//! Goal sets: many targets for several arms or tools in one call.
+
+use kinopt::arm::{Criterion, GoalOutcome, GoalSet, GoalStatus};
+use kinopt::model::UnknownName;
+use kinopt::spatial::Placement;
+use numpy::ndarray::Array2;
+use numpy::{PyArray2, ToPyArray};
+use pyo3::prelude::*;
+
+use super::Arm;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::placement::{placements, targets as targets_of};
+use crate::threads;
+
+const CRITERIA: [&str; 3] = ["distance", "manipulability", "clearance"];
+/// Clearances beyond this distance count as equal, metres.
+const MAX_CLEARANCE: f64 = 0.5;
+
+/// Result of `solve_goals`: arrays with a row for each arm or tool and a column for each target.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct GoalSetSolution {
+    inner: kinopt::arm::GoalSetSolution,
+    arms: Vec<kinopt::Arm>,
+    targets: Vec<Placement<f64>>,
+    starts: Vec<Vec<f64>>,
+}
+
+fn status_name(status: GoalStatus) -> &'static str {
+    match status {
+        GoalStatus::Reached => "reached",
+        GoalStatus::InCollision => "in collision",
+        GoalStatus::OutOfReach => "out of reach",
+        _ => "missed",
+    }
+}
+
+impl GoalSetSolution {
+    fn table<T: numpy::Element + Clone>(
+        &self,
+        py: Python<'_>,
+        value: impl Fn(&GoalOutcome) -> T,
+    ) -> Py<PyArray2<T>> {
+        let shape = (self.arms.len(), self.inner.goals);
+        let table =
+            Array2::from_shape_fn(shape, |(arm, goal)| value(self.inner.outcome(arm, goal)));
+        table.to_pyarray(py).unbind()
+    }
+
+    fn check(&self, arm: usize, target: usize) -> PyResult<()> {
+        match arm < self.arms.len() && target < self.inner.goals {
+            true => Ok(()),
+            false => Err(invalid(format!(
+                "no arm {arm} and target {target}: there are {} and {}",
+                self.arms.len(),
+                self.inner.goals
+            ))),
+        }
+    }
+}
+
+#[pymethods]
+impl GoalSetSolution {
+    /// Shape (arms, targets), bool: true for each target that an arm reaches, free of collisions.
+    #[getter]
+    fn reached(&self, py: Python<'_>) -> Py<PyArray2<bool>> {
+        self.table(py, |outcome| outcome.status == GoalStatus::Reached)
+    }
+
+    /// Shape (arms, targets): cost of each configuration by the criterion, smallest for the best; infinite unless the
+    /// target is reached. Manipulability and clearance are negative costs.
+    #[getter]
+    fn cost(&self, py: Python<'_>) -> Py<PyArray2<f64>> {
+        self.table(py, |outcome| outcome.cost)
+    }
+
+    /// Results by arm and target: "reached", "in collision", "out of reach" (proven) or "missed".
+    #[getter]
+    fn status(&self) -> Vec<Vec<&'static str>> {
+        let rows = self.inner.outcomes.iter();
+        rows.map(|row| {
+            row.iter()
+                .map(|outcome| status_name(outcome.status))
+                .collect()
+        })
+        .collect()
+    }
+
+    /// Configurations of each arm, shape (targets, dof), radians or metres: the closest one found if a target is not
+    /// reached, NaN if it is out of reach.
+    #[getter]
+    fn q(&self, py: Python<'_>) -> PyResult<Vec<Py<PyArray2<f64>>>> {
+        let rows = self.inner.q.iter().zip(&self.arms);
+        rows.map(|(q, arm)| {
+            let shape = (self.inner.goals, arm.joint_count());
+            let table = Array2::from_shape_vec(shape, q.clone());
+            let table = table.map_err(|error| invalid(error.to_string()))?;
+            Ok(table.to_pyarray(py).unbind())
+        })
+        .collect()
+    }
+
+    /// Indices of the best arm and target; None if no target is reached.
+    #[getter]
+    fn best(&self) -> Option<(usize, usize)> {
+        self.inner.best()
+    }
+
+    /// Indices of arm and target of all reached targets, shape (K, 2), least cost first.
+    #[getter]
+    fn ranking(&self, py: Python<'_>) -> Py<PyArray2<i64>> {
+        let pairs = self.inner.ranking();
+        let numbers = Array2::from_shape_fn((pairs.len(), 2), |(row, column)| {
+            let (arm, goal) = pairs[row];
+            [arm as i64, goal as i64][column]
+        });
+        numbers.to_pyarray(py).unbind()
+    }
+
+    /// Why `arm` does not reach `target`, in words, with the colliding pairs or the proof if there is one. It solves the
+    /// target again, and looks for a proof with up to `max_boxes` boxes of joint values.
+    #[pyo3(signature = (arm, target, *, max_boxes = 20_000))]
+    fn explain(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = crate::arrays::whole)] arm: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] target: usize,
+        #[pyo3(from_py_with = crate::arrays::whole)] max_boxes: usize,
+    ) -> PyResult<String> {
+        self.check(arm, target)?;
+        let (start, target) = (&self.starts[arm], self.targets[target]);
+        let arm = &self.arms[arm];
+        let answer = py.detach(|| arm.reachability(target, start, max_boxes));
+        Ok(answer.or_raise()?.solution().explain())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "GoalSetSolution({} arms, {} targets, {} reached)",
+            self.arms.len(),
+            self.inner.goals,
+            self.inner.ranking().len()
+        )
+    }
+}
+
+/// Solves every target for every arm and ranks the results.
+pub(super) fn solve(
+    py: Python<'_>,
+    arms: Vec<kinopt::Arm>,
+    targets: &Bound<'_, PyAny>,
+    starts: Vec<Vec<f64>>,
+    criterion: Option<&Bound<'_, PyAny>>,
+    threads: Option<usize>,
+) -> PyResult<GoalSetSolution> {
+    let goal = arms.first().map(kinopt::Arm::goal).unwrap_or_default();
+    let targets = targets_of(targets, "target", &goal)?.to_vec("target")?;
+    let function = criterion.filter(|criterion| criterion.is_callable());
+    let name = match criterion {
+        Some(criterion) if function.is_none() => arrays::name(criterion, "criterion")?,
+        _ => "distance".to_owned(),
+    };
+    let ranked_by = match name.as_str() {
+        "distance" => Criterion::Distance,
+        "manipulability" => Criterion::Manipulability,
+        "clearance" => Criterion::Clearance {
+            max_distance: MAX_CLEARANCE,
+        },
+        _ => return Err(UnknownName::new("criterion", &name, CRITERIA)).or_raise(),
+    };
+    let set = GoalSet::new(arms);
+    let pool = threads::pool(threads, targets.len())?;
+    let inner = py.detach(|| match &pool {
+        Some(pool) => pool.install(|| set.solve_parallel(&targets, &starts, ranked_by)),
+        None => set.solve(&targets, &starts, ranked_by),
+    });
+    let mut inner = inner.or_raise()?;
+    if let Some(function) = function {
+        cost_by_function(py, &set, &mut inner, function)?;
+    }
+    Ok(GoalSetSolution {
+        inner,
+        arms: set.arms().to_vec(),
+        targets,
+        starts,
+    })
+}
+
+/// Replaces the costs of the reached targets by those of a function of (arm, q), with q of shape (K, dof).
+fn cost_by_function(
+    py: Python<'_>,
+    set: &GoalSet,
+    solution: &mut kinopt::arm::GoalSetSolution,
+    function: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    for (index, arm) in set.arms().iter().enumerate() {
+        let reached: Vec<usize> = (0..solution.goals)
+            .filter(|&goal| solution.outcomes[index][goal].status == GoalStatus::Reached)
+            .collect();
+        let dof = arm.joint_count();
+        let rows = Array2::from_shape_fn((reached.len(), dof), |(row, joint)| {
+            solution.q[index][reached[row] * dof + joint]
+        });
+        let costs = function.call1((index, rows.to_pyarray(py)))?;
+        let costs = arrays::vector_of(&costs, "the costs", reached.len())?;
+        for (&goal, cost) in reached.iter().zip(costs.iter()) {
+            solution.outcomes[index][goal].cost = *cost;
+        }
+    }
+    Ok(())
+}
+
+/// Solves every target for every arm in one call, and ranks the reached ones.
+///
+/// `arms` may be those of one robot with several tools or goal bounds, or the two arms of a robot; each has its own
+/// obstacles. `targets`, shape (N, 4, 4) or as in `Arm.solve_batch`, are tool placements in each arm's base. `starts` has one
+/// configuration for each arm; None is `default_start`. `criterion` is "distance" from the start, "manipulability",
+/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to be out of reach are not
+/// searched for. `threads` as in `solve_batch`.
+///
+/// Raises `InvalidValueError` as `Arm.solve_batch` does, and `UnknownNameError` for an unknown criterion.
+#[pyfunction]
+#[pyo3(
+    signature = (arms, targets, starts = None, *, criterion = None, threads = 1),
+    text_signature = "(arms, targets, starts=None, *, criterion='distance', threads=1)"
+)]
+pub(crate) fn solve_goals(
+    py: Python<'_>,
+    arms: Vec<PyRef<'_, Arm>>,
+    targets: &Bound<'_, PyAny>,
+    starts: Option<Vec<Bound<'_, PyAny>>>,
+    criterion: Option<&Bound<'_, PyAny>>,
+    #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
+) -> PyResult<GoalSetSolution> {
+    let starts: PyResult<Vec<Vec<f64>>> = match starts {
+        None => arms.iter().map(|arm| arm.start(None)).collect(),
+        Some(starts) if starts.len() == arms.len() => {
+            let pairs = arms.iter().zip(&starts);
+            pairs.map(|(arm, start)| arm.start(Some(start))).collect()
+        }
+        Some(starts) => Err(invalid(format!(
+            "{} starts for {} arms: expected one start for each arm",
+            starts.len(),
+            arms.len()
+        ))),
+    };
+    let arms = arms.iter().map(|arm| arm.inner.as_ref().clone()).collect();
+    solve(py, arms, targets, starts?, criterion, threads)
+}
+
+impl Arm {
+    /// Arms of one arm with each of several tools; the arm itself without tools.
+    pub(super) fn with_tools(
+        &self,
+        tools: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<kinopt::Arm>> {
+        let Some(tools) = tools else {
+            return Ok(vec![self.inner.as_ref().clone()]);
+        };
+        let tools = placements(tools, "tools")?.to_vec("tools")?;
+        let set = GoalSet::of_tools(&self.inner, &tools).or_raise()?;
+        Ok(set.arms().to_vec())
+    }
+}
