@@ -138,12 +138,26 @@ mod tests {
     use super::super::joint_box::JointBox;
     use super::{AxisChain, AxisPoint, BoxSearch, BoxSearchEnd, Placement, Vector3};
     use crate::simd_ik::{Chain, ChainJoint};
-    use kinopt_kinematics::model::JointKind;
+    use kinopt_kinematics::model::{JointKind, Limits, Model};
     use kinopt_kinematics::random::RandomStream;
     use kinopt_kinematics::spatial::rotation_exp;
 
     const CHAINS: u64 = 60;
     const BOXES: u64 = 300;
+
+    /// The kinds of a prismatic and a revolute joint.
+    fn kinds() -> [JointKind; 2] {
+        let mut builder = Model::builder("one of each");
+        let (at, axis, limits) = (
+            Placement::identity(),
+            Vector3::UNITS[0],
+            Limits::new(0.0, 1.0),
+        );
+        builder.prismatic("prismatic", None, at, axis, limits);
+        builder.revolute("revolute", None, at, axis, limits);
+        let model = builder.build().unwrap();
+        [0, 1].map(|joint| model.joints()[joint].kind)
+    }
 
     struct Sampler(RandomStream);
 
@@ -162,12 +176,13 @@ mod tests {
 
         /// A chain of 2 to 8 joints about random axes; one of four is prismatic.
         fn chain(&mut self) -> Chain {
+            let [prismatic, revolute] = kinds();
             let joints = 2 + (7.0 * self.0.unit()) as usize;
             let joints = (0..joints).map(|_| {
                 let slides = self.0.unit() < 0.25;
                 let (kind, largest) = match slides {
-                    true => (JointKind::Prismatic, 0.5),
-                    false => (JointKind::Revolute, PI),
+                    true => (prismatic, 0.5),
+                    false => (revolute, PI),
                 };
                 let lower = self.between(-largest, largest);
                 ChainJoint {
