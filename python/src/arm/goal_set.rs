@@ -119,6 +119,8 @@ impl GoalSetSolution {
 
     /// Why `arm` does not reach `target`, in words, with the colliding pairs or the proof if there is one. It solves the
     /// target again, and looks for a proof with up to `max_boxes` boxes of joint values.
+    ///
+    /// Raises `InvalidValueError` for indices out of range.
     #[pyo3(signature = (arm, target, *, max_boxes = 20_000))]
     fn explain(
         &self,
@@ -215,8 +217,8 @@ fn cost_by_function(
 /// `arms` may be those of one robot with several tools or goal bounds, or the two arms of a robot; each has its own
 /// obstacles. `targets`, shape (N, 4, 4) or as in `Arm.solve_batch`, are tool placements in each arm's base. `starts` has one
 /// configuration for each arm; None is `default_start`. `criterion` is "distance" from the start, "manipulability",
-/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to be out of reach are not
-/// searched for. `threads` as in `solve_batch`.
+/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to
+/// be out of reach are not searched for. `threads` as in `solve_batch`.
 ///
 /// Raises `InvalidValueError` as `Arm.solve_batch` does, and `UnknownNameError` for an unknown criterion.
 #[pyfunction]
