@@ -72,6 +72,8 @@ def retarget_hand(
 class HandRetargetFollower:
     """Retargets a live hand: from one frame's joint positions to its configuration. Arguments are as in
     ``retarget_hand``; ``measured`` is a capture of the subject's hand that opens and closes.
+
+    Raises the errors of ``retarget_hand``.
     """
 
     def __init__(

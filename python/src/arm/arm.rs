@@ -403,8 +403,8 @@ impl Arm {
     /// as in `solve`.
     ///
     /// For six revolute joints and a full pose the set is complete: all isolated solutions within the limits, each with
-    /// its whole turns, collision-free if the arm has a world. Other arms return what their attempts find, at least 1e-3 rad apart, or 0.5 rad for a
-    /// redundant arm (weighted joint distance).
+    /// its whole turns, collision-free if the arm has a world. Other arms return what their attempts find, at least
+    /// 1e-3 rad apart, or 0.5 rad for a redundant arm (weighted joint distance).
     ///
     /// Raises `InvalidValueError` as `solve` does.
     #[pyo3(signature = (target, start = None))]

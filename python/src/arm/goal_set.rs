@@ -118,6 +118,8 @@ impl GoalSetSolution {
 
     /// Why `arm` does not reach `target`, in words, with the colliding pairs or the proof if there is one. It solves the
     /// target again, and looks for a proof with up to `max_boxes` boxes of joint values.
+    ///
+    /// Raises `InvalidValueError` for indices out of range.
     #[pyo3(signature = (arm, target, *, max_boxes = 20_000))]
     fn explain(
         &self,

@@ -11,8 +11,8 @@ use crate::error::invalid;
 /// `arms` may be those of one robot with several tools or goal bounds, or the two arms of a robot; each has its own
 /// obstacles. `targets`, shape (N, 4, 4) or as in `Arm.solve_batch`, are tool placements in each arm's base. `starts` has one
 /// configuration for each arm; None is `default_start`. `criterion` is "distance" from the start, "manipulability",
-/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to be out of reach are not
-/// searched for. `threads` as in `solve_batch`.
+/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to
+/// be out of reach are not searched for. `threads` as in `solve_batch`.
 ///
 /// Raises `InvalidValueError` as `Arm.solve_batch` does, and `UnknownNameError` for an unknown criterion.
 #[pyfunction]

@@ -35,8 +35,9 @@ const SETTLE_FRAMES: usize = 1000;
 /// near its rest pose.
 ///
 /// `hinges` are a dict as `Skeleton.hinges`; by default those of a skeleton, or guessed ones. `cones` are those of
-/// `BallSkeleton`; hips and ankles without a cone get one, so that knees stay above their feet. Masses come from the mesh of a rig or a scene; without a closed mesh they are those of the segments
-/// of a human body. `up` is the vertical in the model, by default the axis nearest to the legs.
+/// `BallSkeleton`; hips and ankles without a cone get one, so that knees stay above their feet. Masses come from the mesh
+/// of a rig or a scene; without a closed mesh they are those of the segments of a human body. `up` is the vertical in the
+/// model, by default the axis nearest to the legs.
 ///
 /// Raises `UnknownNameError` for unknown bones, `InvalidValueError` for a character without legs, or hinges, cones and
 /// numbers that do not match.
@@ -178,6 +179,8 @@ impl StandingDrag {
     }
 
     /// As `advance`, until the body is at rest, in at most `frames` frames.
+    ///
+    /// Raises `UnknownNameError` for a bone that is not dragged.
     #[pyo3(signature = (targets = None, *, frames = SETTLE_FRAMES))]
     fn settle(
         &self,
