@@ -324,7 +324,7 @@ fn base_that_sums_with_a_joint_is_undetermined() {
 #[test]
 fn wrong_units_are_an_error() {
     let mut bench = Bench::new(UR5E, 4);
-    let (q, poses) = bench.measure(50);
+    let (q, poses) = bench.measure(20);
     let calibration = bench.calibration();
     let degrees: Vec<f64> = q.iter().map(|radians| radians.to_degrees()).collect();
     let millimetres = poses.iter().map(|pose| Placement {

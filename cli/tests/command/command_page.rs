@@ -11,9 +11,21 @@ const PAGE_HEADER: &str = "# The command
 All subcommands take `--json`. Options that only few need are keys of [problem files](problem.md).
 `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
 ";
-const SUBCOMMANDS: [&str; 13] = [
-    "solve", "body", "batch", "track", "servo", "path", "retarget", "score", "animate", "fk",
-    "info", "check", "spheres",
+const SUBCOMMANDS: [&str; 14] = [
+    "solve",
+    "body",
+    "batch",
+    "track",
+    "servo",
+    "path",
+    "retarget",
+    "score",
+    "animate",
+    "fk",
+    "info",
+    "check",
+    "spheres",
+    "calibrate",
 ];
 
 /// Help page of a subcommand, with the line width of an output without a terminal.

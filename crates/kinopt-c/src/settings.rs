@@ -76,13 +76,13 @@ struct Settings(Map<String, Value>);
 
 impl<'de> Deserialize<'de> for Settings {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_map(Members)
+        from.deserialize_map(SettingMembers)
     }
 }
 
-struct Members;
+struct SettingMembers;
 
-impl<'de> Visitor<'de> for Members {
+impl<'de> Visitor<'de> for SettingMembers {
     type Value = Settings;
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {

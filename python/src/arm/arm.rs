@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use kinopt::arm::Base;
+use kinopt::arm::{Base, GoalSet};
 use kinopt::kinematics::Jacobian;
 use kinopt_bindings::option::arm::{apply, options as arm_options};
 use kinopt_bindings::option::check_name;
@@ -28,7 +28,7 @@ use crate::model::{Model, random_configurations};
 use crate::named_configuration::by_position;
 use crate::object::{Object, Options};
 use crate::placement::{
-    placement, target as target_of, targets as targets_of, to_array, to_arrays,
+    placement, placements, target as target_of, targets as targets_of, to_array, to_arrays,
 };
 use crate::pool::Pool;
 use crate::robot::Robot;
@@ -95,6 +95,16 @@ impl Arm {
     /// A solution of the arm.
     pub(super) fn solution(&self, py: Python<'_>, inner: kinopt::Solution) -> Solution {
         Solution::new(inner, self.coordinates.clone_ref(py))
+    }
+
+    /// Arms of one arm with each of several tools; the arm itself without tools.
+    fn with_tools(&self, tools: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<kinopt::Arm>> {
+        let Some(tools) = tools else {
+            return Ok(vec![self.inner.as_ref().clone()]);
+        };
+        let tools = placements(tools, "tools")?.to_vec("tools")?;
+        let set = GoalSet::of_tools(&self.inner, &tools).or_raise()?;
+        Ok(set.arms().to_vec())
     }
 
     /// Returns the given start, or the default one.

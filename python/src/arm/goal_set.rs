@@ -7,10 +7,9 @@ use numpy::ndarray::Array2;
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
 
-use super::Arm;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::placement::{placements, targets as targets_of};
+use crate::placement::targets as targets_of;
 use crate::threads;
 
 const CRITERIA: [&str; 3] = ["distance", "manipulability", "clearance"];
@@ -208,57 +207,4 @@ fn cost_by_function(
         }
     }
     Ok(())
-}
-
-/// Solves every target for every arm in one call, and ranks the reached ones.
-///
-/// `arms` may be those of one robot with several tools or goal bounds, or the two arms of a robot; each has its own
-/// obstacles. `targets`, shape (N, 4, 4) or as in `Arm.solve_batch`, are tool placements in each arm's base. `starts` has one
-/// configuration for each arm; None is `default_start`. `criterion` is "distance" from the start, "manipulability",
-/// "clearance", or a function of (arm index, q of shape (K, dof)) that returns K costs. Targets that are easily proven to be out of reach are not
-/// searched for. `threads` as in `solve_batch`.
-///
-/// Raises `InvalidValueError` as `Arm.solve_batch` does, and `UnknownNameError` for an unknown criterion.
-#[pyfunction]
-#[pyo3(
-    signature = (arms, targets, starts = None, *, criterion = None, threads = 1),
-    text_signature = "(arms, targets, starts=None, *, criterion='distance', threads=1)"
-)]
-pub(crate) fn solve_goals(
-    py: Python<'_>,
-    arms: Vec<PyRef<'_, Arm>>,
-    targets: &Bound<'_, PyAny>,
-    starts: Option<Vec<Bound<'_, PyAny>>>,
-    criterion: Option<&Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
-) -> PyResult<GoalSetSolution> {
-    let starts: PyResult<Vec<Vec<f64>>> = match starts {
-        None => arms.iter().map(|arm| arm.start(None)).collect(),
-        Some(starts) if starts.len() == arms.len() => {
-            let pairs = arms.iter().zip(&starts);
-            pairs.map(|(arm, start)| arm.start(Some(start))).collect()
-        }
-        Some(starts) => Err(invalid(format!(
-            "{} starts for {} arms: expected one start for each arm",
-            starts.len(),
-            arms.len()
-        ))),
-    };
-    let arms = arms.iter().map(|arm| arm.inner.as_ref().clone()).collect();
-    solve(py, arms, targets, starts?, criterion, threads)
-}
-
-impl Arm {
-    /// Arms of one arm with each of several tools; the arm itself without tools.
-    pub(super) fn with_tools(
-        &self,
-        tools: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Vec<kinopt::Arm>> {
-        let Some(tools) = tools else {
-            return Ok(vec![self.inner.as_ref().clone()]);
-        };
-        let tools = placements(tools, "tools")?.to_vec("tools")?;
-        let set = GoalSet::of_tools(&self.inner, &tools).or_raise()?;
-        Ok(set.arms().to_vec())
-    }
 }

@@ -9,12 +9,14 @@ mod follower;
 mod goal_set;
 mod reachability;
 mod servo;
+mod several_arms;
 
 pub(crate) use all_solutions::{AllSolutions, SelfMotion};
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
-pub(crate) use goal_set::{GoalSetSolution, solve_goals};
+pub(crate) use goal_set::GoalSetSolution;
 pub(crate) use reachability::Reachability;
 pub(crate) use servo::{Servo, ServoStep};
+pub(crate) use several_arms::solve_goals;

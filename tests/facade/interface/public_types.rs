@@ -92,7 +92,7 @@ each! { value:
     problem::ProblemBuilder<'static>, problem::Scratch, problem::Targets,
     problem::TaskId<task::FramePose>, ik::ActiveLimit, ik::Restarts, ik::TaskReport, ik::OpenLoop, ik::LoopClosure<'static>, ik::LoopGap,
     solver::GaussNewton, solver::LevenbergMarquardt, solver::ProjectedGradient,
-    solver::Stopping, solver::Termination, geometric::Ccd, geometric::ElbowBranch, geometric::Fabrik,
+    solver::Stopping, solver::Termination, geometric::Ccd, geometric::Elbow, geometric::Fabrik,
     geometric::TwoBone, task::Camera, task::CentreOfMass, task::Distance, task::FrameVelocity,
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
@@ -134,7 +134,8 @@ each! { value:
 each! { value:
     animation::KeyTolerance, animation::ParameterDefault, animation::EulerPoseMap, animation::BallPoseMap,
     animation::RootMotion, arm::AllSolutions, arm::Argument, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
-    arm::ArmBranch, arm::ElbowBranch, arm::PoseSolution, arm::SelfMotion, arm::ShoulderBranch, arm::WristBranch,
+    arm::ArmBranch, arm::Criterion<'static>, arm::ElbowBranch, arm::GoalOutcome, arm::GoalSet, arm::GoalSetSolution,
+    arm::GoalStatus, arm::PoseSolution, arm::SelfMotion, arm::ShoulderBranch, arm::WristBranch,
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
     arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::TimedSpline, motion::Trajectory<()>,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,

@@ -446,6 +446,13 @@ pub(crate) fn direction_errors(
         .collect()
 }
 
+/// Mean distance between the bones of two motions.
+pub(crate) fn mean_distance(from: &[Vec<(DQuat, DVec3)>], to: &[Vec<(DQuat, DVec3)>]) -> f64 {
+    let bones = from.iter().flatten().zip(to.iter().flatten());
+    let distances: Vec<f64> = bones.map(|((_, a), (_, b))| a.distance(*b)).collect();
+    distances.iter().sum::<f64>() / distances.len() as f64
+}
+
 /// Largest angle in degrees between the rotations of two motions, with the bone.
 pub(crate) fn largest_rotation_error(
     from: &[Vec<(DQuat, DVec3)>],

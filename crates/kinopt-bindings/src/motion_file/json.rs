@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::{MotionFileError, RobotMotion, columns_of, rate_of_times, selected, text};
 
 #[derive(Deserialize)]
-struct Document {
+struct MotionDocument {
     #[serde(default)]
     fps: Option<f64>,
     #[serde(default)]
@@ -21,7 +21,7 @@ struct Document {
 pub(super) fn read(robot: &Robot, path: &Path) -> Result<RobotMotion, MotionFileError> {
     let text = text(path)?;
     let error = |problem: String| MotionFileError::new(path, problem);
-    let document: Document =
+    let document: MotionDocument =
         serde_json::from_str(&text).map_err(|problem| error(problem.to_string()))?;
     let expected = robot.model().configuration_len();
     let width = document.names.as_ref().map_or(expected, Vec::len);

@@ -83,7 +83,7 @@ pub(super) struct Elimination {
 
 /// Equations by half-angle monomials of the joints 4 and 5, for the constant, cosine and sine of joint 3.
 type Equations = [[[f64; 9]; EQUATIONS]; 3];
-type Rows = [[f64; COLUMNS]; COLUMNS];
+type EliminationMatrix = [[f64; COLUMNS]; COLUMNS];
 
 /// Functions of a line about `origin`.
 fn functions(
@@ -185,7 +185,7 @@ impl Elimination {
     }
 
     /// The final matrix: the equations times the cosine, then times the sine of half of joint 4.
-    fn matrix_at(&self, equations: &Equations, q3: Angle) -> Rows {
+    fn matrix_at(&self, equations: &Equations, q3: Angle) -> EliminationMatrix {
         let mut rows = [[0.0; COLUMNS]; COLUMNS];
         for (e, equation) in self.equations_at(equations, q3).iter().enumerate() {
             rows[e][..9].copy_from_slice(equation);
@@ -498,7 +498,7 @@ fn perpendicular(h: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Determinant by elimination with row pivots.
-fn determinant_of(mut rows: Rows) -> f64 {
+fn determinant_of(mut rows: EliminationMatrix) -> f64 {
     let mut determinant = 1.0;
     for k in 0..COLUMNS {
         let mut pivot = k;

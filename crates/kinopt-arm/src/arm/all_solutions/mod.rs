@@ -6,6 +6,7 @@
 //! elimination to a polynomial of one joint. Every solution is polished by Newton's method on the chain itself.
 
 mod angle;
+mod argument;
 mod branches;
 mod elimination;
 mod linear;
@@ -33,6 +34,7 @@ use crate::simd_ik::PoseOutcome;
 use kinopt_kinematics::model::Limits;
 use kinopt_kinematics::spatial::Placement;
 
+pub use argument::Argument;
 pub use branches::{ArmBranch, ElbowBranch, ShoulderBranch, WristBranch};
 pub(super) use seven_revolute::SevenRevolute;
 pub(super) use six_revolute::{SixRevolute, SolutionSet};
@@ -42,28 +44,6 @@ use whole_turns::{MAX_CONFIGURATIONS, Turns, nearest_turn};
 const REDUNDANT_DISTANCE: f64 = 0.5;
 /// Smallest weighted joint distance of two solutions of an arm without redundancy that is solved by attempts.
 const ISOLATED_DISTANCE: f64 = 1e-3;
-
-/// Argument for the completeness of a solution set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum Argument {
-    /// Closed form: the last three axes meet in a point.
-    SphericalWrist,
-    /// Closed form: the first three axes meet in a point.
-    SphericalShoulder,
-    /// Closed form: three successive inner axes are parallel.
-    ThreeParallelAxes,
-    /// All real roots of a polynomial of one joint, isolated by Descartes' rule of signs.
-    UnivariatePolynomial {
-        /// Largest deviation of the determinant from the polynomial, relative to the largest determinant.
-        ///
-        /// It measures rounding: about 1e-15 for a well-conditioned arm.
-        deviation: f64,
-    },
-    /// None: the set may lack solutions.
-    None,
-}
 
 /// Solution of a target in a complete set.
 #[derive(Clone, Debug, PartialEq)]

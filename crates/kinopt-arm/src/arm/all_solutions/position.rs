@@ -10,7 +10,7 @@ pub(super) const QUARTIC_HALVINGS: u32 = 20;
 
 /// Structure of three axes that decides the closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Pair {
+enum AxisPair {
     Parallel,
     Intersecting,
     /// A quartic equation.
@@ -24,7 +24,7 @@ pub(super) struct PositionSolver {
     axes: [Screw; 3],
     /// True if the order is that of the reversed chain, which exchanges w and p.
     reversed: bool,
-    pair: Pair,
+    pair: AxisPair,
     w: Vector3<f64>,
     quartic: RootFinder,
 }
@@ -50,15 +50,15 @@ impl PositionSolver {
                 if (second.point - first.point).norm() <= tolerance {
                     return None;
                 }
-                Pair::Parallel
+                AxisPair::Parallel
             }
             Relation::Intersecting(point) => {
                 (first.point, second.point) = (point, point);
-                Pair::Intersecting
+                AxisPair::Intersecting
             }
             Relation::Skew => {
                 [first.point, second.point] = common_normal(&first, &second);
-                Pair::Skew
+                AxisPair::Skew
             }
         };
         Some(Self {
@@ -94,7 +94,7 @@ impl PositionSolver {
         let k1 = h1.dot(p - first.point) - h1.dot(offset);
         let k2 = (p - first.point).norm_squared() - offset.norm_squared();
         let cos12 = h1.dot(h2);
-        let mut candidates = Candidates {
+        let mut candidates = PositionCandidates {
             solver: self,
             w,
             p,
@@ -102,7 +102,7 @@ impl PositionSolver {
             family: false,
         };
         match self.pair {
-            Pair::Parallel => {
+            AxisPair::Parallel => {
                 let d = cos12 * k1 - along[0];
                 candidates.each_linear(along[1], along[2], d, |candidates, q3, u| {
                     // In the plane across the axes: offset · v = (k2 − |u|²) / 2.
@@ -113,7 +113,7 @@ impl PositionSolver {
                     candidates.each_second(q3, u, e2, e1, v2);
                 });
             }
-            Pair::Intersecting => {
+            AxisPair::Intersecting => {
                 let d = k2 - squared[0];
                 candidates.each_linear(squared[1], squared[2], d, |candidates, q3, u| {
                     let normal = second.across(h1);
@@ -124,7 +124,7 @@ impl PositionSolver {
                     candidates.each_second(q3, u, e1, e2, v1);
                 });
             }
-            Pair::Skew => {
+            AxisPair::Skew => {
                 let normal = second.across(h1);
                 let sin = normal.norm();
                 let e1 = normal * sin.recip();
@@ -164,7 +164,7 @@ impl PositionSolver {
 }
 
 /// Candidates of one position.
-struct Candidates<'a, F> {
+struct PositionCandidates<'a, F> {
     solver: &'a PositionSolver,
     w: Vector3<f64>,
     p: Vector3<f64>,
@@ -172,7 +172,7 @@ struct Candidates<'a, F> {
     family: bool,
 }
 
-impl<F: FnMut([Angle; 3])> Candidates<'_, F> {
+impl<F: FnMut([Angle; 3])> PositionCandidates<'_, F> {
     /// Visits the solutions q₃ of a linear equation, with the point u(q₃) from the second axis.
     fn each_linear(
         &mut self,

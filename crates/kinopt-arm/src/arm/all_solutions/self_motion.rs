@@ -26,7 +26,7 @@ const ON_CURVE: f64 = 0.01;
 const MAX_SAMPLES: usize = 100_000;
 
 /// A traced curve, without limits.
-struct Curve {
+struct TracedCurve {
     samples: Vec<Q>,
     /// True if the last sample is followed by the first, up to whole turns.
     closed: bool,
@@ -47,7 +47,7 @@ pub(super) fn self_motions(
 ) -> Vec<LimitedCurve> {
     let mut scaled = *target;
     scaled.translation = scaled.translation * chain.length.recip();
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<TracedCurve> = Vec::new();
     let mut set = SolutionSet::default();
     for sweep in &chain.sweeps {
         let locked = sweep.joint;
@@ -93,7 +93,7 @@ fn largest_difference(a: &Q, b: &Q) -> f64 {
 }
 
 /// True if a configuration lies on a curve, up to whole turns.
-fn is_on(curve: &Curve, q: &Q) -> bool {
+fn is_on(curve: &TracedCurve, q: &Q) -> bool {
     let wraps = curve
         .closed
         .then(|| [curve.samples.last(), curve.samples.first()]);
@@ -113,7 +113,7 @@ fn is_on(curve: &Curve, q: &Q) -> bool {
 }
 
 /// Traces the curve through a configuration, forwards, and backwards as well unless it closes.
-fn trace(chain: &SevenRevolute, target: &Placement<f64>, start: &Q) -> Option<Curve> {
+fn trace(chain: &SevenRevolute, target: &Placement<f64>, start: &Q) -> Option<TracedCurve> {
     let tangent = chain.tangent(start, target, None)?;
     let (mut samples, closed) = trace_along(chain, target, start, tangent);
     if !closed {
@@ -123,7 +123,7 @@ fn trace(chain: &SevenRevolute, target: &Placement<f64>, start: &Q) -> Option<Cu
         back.append(&mut samples);
         samples = back;
     }
-    Some(Curve { samples, closed })
+    Some(TracedCurve { samples, closed })
 }
 
 /// Traces from a configuration along a tangent until the curve closes, or ends at a singular configuration.
@@ -179,7 +179,7 @@ fn trace_along(
 fn cut(
     chain: &SevenRevolute,
     target: &Placement<f64>,
-    curve: &Curve,
+    curve: &TracedCurve,
     limits: &[Limits; 7],
     arcs: &mut Vec<LimitedCurve>,
 ) {

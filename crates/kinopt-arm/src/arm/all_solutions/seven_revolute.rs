@@ -36,12 +36,12 @@ pub(crate) struct SevenRevolute {
     /// Length of the arm, metres.
     pub(super) length: f64,
     /// Joints that slices lock.
-    pub(super) sweeps: Vec<Sweep>,
+    pub(super) sweeps: Vec<JointSweep>,
 }
 
 /// Joint that slices lock, and the method of its slices.
 #[derive(Clone, Debug)]
-pub(super) struct Sweep {
+pub(super) struct JointSweep {
     pub(super) joint: usize,
     method: MethodChoice,
 }
@@ -89,7 +89,7 @@ impl SevenRevolute {
             joints.extend(SWEPT_JOINTS);
         }
         joints.truncate(SWEEPS);
-        let sweeps = joints.into_iter().map(|joint| Sweep {
+        let sweeps = joints.into_iter().map(|joint| JointSweep {
             joint,
             method: SixRevolute::method_of(&chain.slice_axes(joint, GENERIC_VALUE).0),
         });
@@ -108,7 +108,7 @@ impl SevenRevolute {
     }
 
     /// The six other joints, with the joint of a sweep at a value.
-    pub(super) fn slice(&self, sweep: &Sweep, value: f64) -> SixRevolute {
+    pub(super) fn slice(&self, sweep: &JointSweep, value: f64) -> SixRevolute {
         let (axes, base_from_tool) = self.slice_axes(sweep.joint, value);
         SixRevolute::by_method(axes, base_from_tool, self.length, &sweep.method)
     }

@@ -1,7 +1,7 @@
 //! Complete solution sets of six revolute joints, as angles without limits.
 
-use super::Argument;
 use super::angle::Angle;
+use super::argument::Argument;
 use super::branches::{ArmBranch, BranchSigns};
 use super::elimination::{Elimination, Numbering};
 use super::polish::{ClosureError, closure_error, null_direction, polish};
@@ -39,7 +39,7 @@ const MAX_ROOT_ERROR: f64 = 0.05;
 
 /// Solver by the structure of the axes.
 #[derive(Clone, Debug)]
-enum Method {
+enum SolutionMethod {
     SphericalWrist(Box<SphericalWrist>),
     ThreeParallel(Box<ThreeParallel>),
     /// Numberings, best conditioned first.
@@ -65,7 +65,7 @@ pub(crate) struct SixRevolute {
     length: f64,
     /// True if the structure is that of the chain from tool to base.
     reversed: bool,
-    method: Method,
+    method: SolutionMethod,
     branch_signs: Option<BranchSigns>,
 }
 
@@ -157,11 +157,11 @@ impl SixRevolute {
             let choices = choice.eliminations.iter();
             let eliminations =
                 choices.filter_map(|&(numbering, size)| Elimination::new(&axes, numbering, size));
-            (Method::Elimination(eliminations.collect()), false)
+            (SolutionMethod::Elimination(eliminations.collect()), false)
         });
         let branch_signs = match (&method, reversed) {
-            (Method::SphericalWrist(wrist), false) => Some(wrist.branch_signs()),
-            (Method::ThreeParallel(parallel), false) => Some(parallel.branch_signs()),
+            (SolutionMethod::SphericalWrist(wrist), false) => Some(wrist.branch_signs()),
+            (SolutionMethod::ThreeParallel(parallel), false) => Some(parallel.branch_signs()),
             _ => None,
         };
         Self {
@@ -194,19 +194,19 @@ impl SixRevolute {
         set.near.clear();
         (set.complete, set.family, set.deviation) = (false, false, 0.0);
         match &self.method {
-            Method::SphericalWrist(wrist) => {
+            SolutionMethod::SphericalWrist(wrist) => {
                 set.candidates.clear();
                 set.family = wrist.solve(&goal, &mut set.candidates);
                 self.collect(&displacement, set);
                 set.complete = !set.family;
             }
-            Method::ThreeParallel(parallel) => {
+            SolutionMethod::ThreeParallel(parallel) => {
                 set.candidates.clear();
                 set.family = parallel.solve(&goal, &mut set.candidates);
                 self.collect(&displacement, set);
                 set.complete = !set.family;
             }
-            Method::Elimination(eliminations) => {
+            SolutionMethod::Elimination(eliminations) => {
                 for (index, elimination) in eliminations.iter().enumerate() {
                     set.candidates.clear();
                     let conditioning = elimination.solve(&goal, &mut set.candidates);
@@ -233,7 +233,7 @@ impl SixRevolute {
 
     /// Polishes the candidates and keeps the roots. Returns the number of candidates that lead to none.
     fn collect(&self, displacement: &Placement<f64>, set: &mut SolutionSet) -> usize {
-        let is_elimination = matches!(self.method, Method::Elimination(_));
+        let is_elimination = matches!(self.method, SolutionMethod::Elimination(_));
         let mut dropped = 0;
         for candidate in &mut set.candidates {
             if self.reversed {
@@ -307,13 +307,13 @@ impl SixRevolute {
     pub(crate) fn argument(&self, set: &SolutionSet) -> Argument {
         match &self.method {
             _ if set.family => Argument::None,
-            Method::SphericalWrist(_) if self.reversed => Argument::SphericalShoulder,
-            Method::SphericalWrist(_) => Argument::SphericalWrist,
-            Method::ThreeParallel(_) => Argument::ThreeParallelAxes,
-            Method::Elimination(_) if set.complete => Argument::UnivariatePolynomial {
+            SolutionMethod::SphericalWrist(_) if self.reversed => Argument::SphericalShoulder,
+            SolutionMethod::SphericalWrist(_) => Argument::SphericalWrist,
+            SolutionMethod::ThreeParallel(_) => Argument::ThreeParallelAxes,
+            SolutionMethod::Elimination(_) if set.complete => Argument::UnivariatePolynomial {
                 deviation: set.deviation,
             },
-            Method::Elimination(_) => Argument::None,
+            SolutionMethod::Elimination(_) => Argument::None,
         }
     }
 }
@@ -351,12 +351,12 @@ fn is_closer(a: &[Angle; 6], b: &[Angle; 6], distance: f64) -> bool {
 }
 
 /// The closed form of an arm, if it has a spherical wrist or three parallel axes.
-fn closed_form_of(axes: [Screw; 6]) -> Option<Method> {
+fn closed_form_of(axes: [Screw; 6]) -> Option<SolutionMethod> {
     let wrist = SphericalWrist::new(axes, STRUCTURE_TOLERANCE)
-        .map(|wrist| Method::SphericalWrist(Box::new(wrist)));
+        .map(|wrist| SolutionMethod::SphericalWrist(Box::new(wrist)));
     wrist.or_else(|| {
         ThreeParallel::new(axes, STRUCTURE_TOLERANCE)
-            .map(|parallel| Method::ThreeParallel(Box::new(parallel)))
+            .map(|parallel| SolutionMethod::ThreeParallel(Box::new(parallel)))
     })
 }
 

@@ -28,7 +28,7 @@ const MAX_COEFFICIENTS: usize = 2 * MAX_DEGREE + 1;
 
 /// Root of a trigonometric polynomial.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Root {
+pub(super) struct AngleRoot {
     pub(super) angle: Angle,
     /// True if the polynomial changes its sign at the root and near it at no other angle.
     pub(super) is_simple: bool,
@@ -45,7 +45,7 @@ pub(super) struct Trigonometric {
 
 /// Arc between two half angles, and the Bernstein coefficients on it.
 #[derive(Clone, Copy, Debug)]
-struct Arc {
+struct BernsteinArc {
     coefficients: [f64; MAX_COEFFICIENTS],
     /// Ends as (cosine, sine) of the half angle, of any length.
     ends: [(f64, f64); 2],
@@ -242,10 +242,10 @@ impl RootFinder {
 
     /// Visits the real roots. Close roots that are not separated are visited as a root that is not simple, where the
     /// polynomial is smallest.
-    pub(super) fn visit(&self, f: &Trigonometric, mut visit: impl FnMut(Root)) {
+    pub(super) fn visit(&self, f: &Trigonometric, mut visit: impl FnMut(AngleRoot)) {
         let last = 2 * self.degree;
         let noise = NOISE * f.size();
-        let mut arcs = [Arc {
+        let mut arcs = [BernsteinArc {
             coefficients: [0.0; MAX_COEFFICIENTS],
             ends: [(1.0, 0.0), (0.0, 1.0)],
             halvings: 0,
@@ -274,7 +274,7 @@ impl RootFinder {
                     && let Some(half) = f.extremum(arc.ends, at)
                     && f.at(at(half)) * f.at(at(first)) > 0.0
                 {
-                    visit(Root {
+                    visit(AngleRoot {
                         angle: at(half),
                         is_simple: false,
                     });
@@ -282,7 +282,7 @@ impl RootFinder {
                 let is_last = match signs {
                     Variations::None => continue,
                     Variations::One => {
-                        visit(Root {
+                        visit(AngleRoot {
                             angle: f.bracketed(arc.ends, at),
                             is_simple: true,
                         });
@@ -293,7 +293,7 @@ impl RootFinder {
                 };
                 if is_last {
                     let mut visit_double = |half| {
-                        visit(Root {
+                        visit(AngleRoot {
                             angle: at(half),
                             is_simple: false,
                         });

@@ -1,5 +1,7 @@
 //! Criteria that rank the solutions of goals.
 
+use std::fmt;
+
 use super::super::QueryError;
 use super::super::arm::Arm;
 use super::super::distances::weighted_distance;
@@ -24,6 +26,21 @@ pub enum Criterion<'a> {
     },
     /// The caller's cost of a configuration of an arm.
     Cost(&'a (dyn Fn(&[f64]) -> f64 + Sync)),
+}
+
+impl fmt::Debug for Criterion<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Distance => f.write_str("Distance"),
+            Self::Manipulability => f.write_str("Manipulability"),
+            #[cfg(feature = "collision")]
+            Self::Clearance { max_distance } => f
+                .debug_struct("Clearance")
+                .field("max_distance", max_distance)
+                .finish(),
+            Self::Cost(_) => f.debug_tuple("Cost").finish_non_exhaustive(),
+        }
+    }
 }
 
 /// Cost of configurations of one arm, with its memory.

@@ -112,7 +112,7 @@ impl GoalSet {
         goals: &[Placement<f64>],
         starts: &[Vec<f64>],
         criterion: Criterion<'_>,
-        run: impl FnOnce(Vec<Piece<'_>>, &SolvePiece<'_>) -> Result<(), QueryError>,
+        run: impl FnOnce(Vec<GoalPiece<'_>>, &SolvePiece<'_>) -> Result<(), QueryError>,
     ) -> Result<GoalSetSolution, QueryError> {
         if starts.len() != self.arms.len() {
             return Err(QueryError::Starts {
@@ -132,7 +132,7 @@ impl GoalSet {
                 .chunks(GOALS_AT_A_TIME)
                 .zip(outcomes.chunks_mut(GOALS_AT_A_TIME));
             let q = q.chunks_mut(GOALS_AT_A_TIME * arm.joint_count());
-            pieces.extend(parts.zip(q).map(|((goals, outcomes), q)| Piece {
+            pieces.extend(parts.zip(q).map(|((goals, outcomes), q)| GoalPiece {
                 arm,
                 start,
                 goals,
@@ -145,10 +145,10 @@ impl GoalSet {
     }
 }
 
-type SolvePiece<'a> = dyn Fn(Piece<'_>) -> Result<(), QueryError> + Sync + 'a;
+type SolvePiece<'a> = dyn Fn(GoalPiece<'_>) -> Result<(), QueryError> + Sync + 'a;
 
 /// Some goals of one arm, and their results.
-struct Piece<'a> {
+struct GoalPiece<'a> {
     arm: &'a Arm,
     start: &'a [f64],
     goals: &'a [Placement<f64>],
@@ -156,7 +156,7 @@ struct Piece<'a> {
     q: &'a mut [f64],
 }
 
-impl Piece<'_> {
+impl GoalPiece<'_> {
     fn solve(self, criterion: Criterion<'_>) -> Result<(), QueryError> {
         let Self {
             arm,

@@ -8,8 +8,10 @@ use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 use super::axis_chain::{AxisChain, AxisMotion};
-use super::joint_box::JointBox;
-use super::{MAX_JOINTS, MAX_POINTS};
+use super::joint_box::{JointBox, MAX_JOINTS};
+
+/// Largest number of points of the tool that a proof compares with the target.
+pub(super) const MAX_POINTS: usize = 4;
 
 /// Most terms of second order: two for each rotation, and one for each pair of joints of one half of the arm.
 const MAX_NOISES: usize = 2 * MAX_JOINTS + MAX_JOINTS * (MAX_JOINTS - 1) / 2;
@@ -28,7 +30,7 @@ const ZERO: PointVectors = [Vector3 {
 
 /// Vector with a factor between −1 and 1 of its own, and the two joints that cause it.
 #[derive(Clone, Copy, Debug)]
-struct Noise {
+struct NoiseTerm {
     vectors: PointVectors,
     joints: [usize; 2],
 }
@@ -40,7 +42,7 @@ pub(super) struct AffineForm {
     pub(super) points: usize,
     pub(super) centre: PointVectors,
     pub(super) linear: [PointVectors; MAX_JOINTS],
-    noises: [Noise; MAX_NOISES],
+    noises: [NoiseTerm; MAX_NOISES],
     noise_count: usize,
     pub(super) remainder: [f64; MAX_POINTS],
     /// Share of each joint in the remainders.
@@ -126,7 +128,7 @@ impl AffineForm {
             points: points.len(),
             centre,
             linear: [ZERO; MAX_JOINTS],
-            noises: [Noise {
+            noises: [NoiseTerm {
                 vectors: ZERO,
                 joints: [0; 2],
             }; MAX_NOISES],
@@ -172,7 +174,7 @@ impl AffineForm {
     /// Difference of two forms of different joints.
     pub(super) fn minus(mut self, other: &Self) -> Self {
         for point in 0..self.points {
-            self.centre[point] = self.centre[point] - other.centre[point];
+            self.centre[point] -= other.centre[point];
             self.remainder[point] += other.remainder[point];
         }
         for joint in other.inner.clone() {
@@ -187,7 +189,7 @@ impl AffineForm {
         self
     }
 
-    fn noises(&self) -> &[Noise] {
+    fn noises(&self) -> &[NoiseTerm] {
         &self.noises[..self.noise_count]
     }
 
@@ -201,7 +203,7 @@ impl AffineForm {
     /// The joint with the largest share in the terms of second and third order; `None` if all are negligible.
     pub(super) fn most_nonlinear(&self) -> Option<usize> {
         let mut shares = self.nonlinearity;
-        for Noise { vectors, joints } in self.noises() {
+        for NoiseTerm { vectors, joints } in self.noises() {
             let size: f64 = vectors[..self.points].iter().map(|v| v.norm()).sum();
             for joint in joints {
                 shares[*joint] += 0.5 * size;
@@ -296,7 +298,7 @@ impl AffineForm {
         let of_cos = of_centre.map(|centre| turn.of_cos(centre) * turn.cos_error);
         let mut new_noises = self.noise_count;
         let mut write = |joints, vectors| {
-            self.noises[new_noises] = Noise { vectors, joints };
+            self.noises[new_noises] = NoiseTerm { vectors, joints };
             new_noises += 1;
         };
         write([joint; 2], of_cos);

@@ -2,8 +2,7 @@
 
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
-use super::MAX_JOINTS;
-use super::joint_box::JointBox;
+use super::joint_box::{JointBox, MAX_JOINTS};
 use crate::simd_ik::Chain;
 
 /// Motion of a joint about or along the z axis of its frame.

@@ -13,18 +13,18 @@ use super::joint_box::JointBox;
 
 /// Point in the frame of the link after the first `cut` joints.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Probe {
+pub(super) struct AxisPoint {
     pub(super) cut: usize,
     pub(super) point: Vector3<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Ball {
+struct PointBall {
     centre: Vector3<f64>,
     radius: f64,
 }
 
-impl Ball {
+impl PointBall {
     /// Ball around a ball that a joint moves from `centre − half_width` to `centre + half_width`.
     fn moved(self, motion: AxisMotion, centre: f64, half_width: f64) -> Self {
         let Vector3 { x, y, z } = self.centre;
@@ -62,7 +62,7 @@ impl Ball {
     }
 }
 
-impl Probe {
+impl AxisPoint {
     /// Origins of the joint frames, as points of the links before and after each joint. An origin is on the axis of its
     /// joint, so that the joint does not move it.
     pub(super) fn on_axes(chain: &AxisChain) -> Vec<Self> {
@@ -87,7 +87,7 @@ impl Probe {
         base_from_last_joint: &Placement<f64>,
         tolerance: f64,
     ) -> bool {
-        let fixed = Ball {
+        let fixed = PointBall {
             centre: self.point,
             radius: 0.0,
         };

@@ -5,7 +5,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 
 use super::affine_form::AffineForm;
 use super::axis_chain::AxisChain;
-use super::ball_bound::Probe;
+use super::ball_bound::AxisPoint;
 use super::joint_box::JointBox;
 use super::linear_test::LinearTest;
 
@@ -39,10 +39,10 @@ pub(in crate::arm) enum BoxSearchEnd {
 #[derive(Clone, Debug)]
 pub(in crate::arm) struct BoxSearch {
     pub(super) chain: AxisChain,
-    pub(super) probes: Vec<Probe>,
+    pub(super) probes: Vec<AxisPoint>,
     /// Number of joints between the base and the link of `points`.
     pub(super) cut: usize,
-    /// Compared points in the frame of their link, at most [`MAX_POINTS`](super::MAX_POINTS).
+    /// Compared points in the frame of their link, at most [`MAX_POINTS`](super::affine_form::MAX_POINTS).
     pub(super) points: Vec<Vector3<f64>>,
     /// Distance of two points that counts as none, metres.
     pub(super) tolerance: f64,
@@ -106,8 +106,9 @@ impl BoxSearch {
             .half_width
             .iter()
             .any(|width| *width > BALLS_ABOVE);
-        let by_ball =
-            |probe: &Probe| probe.excludes(&self.chain, joint_box, base_from_last_joint, tolerance);
+        let by_ball = |probe: &AxisPoint| {
+            probe.excludes(&self.chain, joint_box, base_from_last_joint, tolerance)
+        };
         if is_large && self.probes.iter().any(by_ball) {
             return None;
         }
@@ -135,14 +136,28 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::super::joint_box::JointBox;
-    use super::{AxisChain, BoxSearch, BoxSearchEnd, Placement, Probe, Vector3};
+    use super::{AxisChain, AxisPoint, BoxSearch, BoxSearchEnd, Placement, Vector3};
     use crate::simd_ik::{Chain, ChainJoint};
-    use kinopt_kinematics::model::JointKind;
+    use kinopt_kinematics::model::{JointKind, Limits, Model};
     use kinopt_kinematics::random::RandomStream;
     use kinopt_kinematics::spatial::rotation_exp;
 
     const CHAINS: u64 = 60;
     const BOXES: u64 = 300;
+
+    /// The kinds of a prismatic and a revolute joint.
+    fn kinds() -> [JointKind; 2] {
+        let mut builder = Model::builder("one of each");
+        let (at, axis, limits) = (
+            Placement::identity(),
+            Vector3::UNITS[0],
+            Limits::new(0.0, 1.0),
+        );
+        builder.prismatic("prismatic", None, at, axis, limits);
+        builder.revolute("revolute", None, at, axis, limits);
+        let model = builder.build().unwrap();
+        [0, 1].map(|joint| model.joints()[joint].kind)
+    }
 
     struct Sampler(RandomStream);
 
@@ -161,12 +176,13 @@ mod tests {
 
         /// A chain of 2 to 8 joints about random axes; one of four is prismatic.
         fn chain(&mut self) -> Chain {
+            let [prismatic, revolute] = kinds();
             let joints = 2 + (7.0 * self.0.unit()) as usize;
             let joints = (0..joints).map(|_| {
                 let slides = self.0.unit() < 0.25;
                 let (kind, largest) = match slides {
-                    true => (JointKind::Prismatic, 0.5),
-                    false => (JointKind::Revolute, PI),
+                    true => (prismatic, 0.5),
+                    false => (revolute, PI),
                 };
                 let lower = self.between(-largest, largest);
                 ChainJoint {
@@ -199,7 +215,7 @@ mod tests {
     fn search(chain: &Chain, cut: usize) -> BoxSearch {
         let chain = AxisChain::new(chain).unwrap();
         BoxSearch {
-            probes: Probe::on_axes(&chain),
+            probes: AxisPoint::on_axes(&chain),
             chain,
             cut,
             points: vec![

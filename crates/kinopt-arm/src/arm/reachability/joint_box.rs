@@ -1,6 +1,7 @@
 //! Box of joint values.
 
-use super::MAX_JOINTS;
+/// Largest number of free joints of an arm for which unreachability can be proven.
+pub(super) const MAX_JOINTS: usize = 8;
 
 /// Joint values within `centre` ± `half_width`, radians or metres. Values beyond the chain's joints are 0.
 #[derive(Clone, Copy, Debug, Default)]

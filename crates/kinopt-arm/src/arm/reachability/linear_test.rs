@@ -3,8 +3,8 @@
 
 use kinopt_kinematics::spatial::Vector3;
 
-use super::affine_form::{AffineForm, PointVectors};
-use super::{MAX_JOINTS, MAX_POINTS};
+use super::affine_form::{AffineForm, MAX_POINTS, PointVectors};
+use super::joint_box::MAX_JOINTS;
 
 /// Sweeps of coordinate descent for the smallest distance of the linear part.
 const SWEEPS: usize = 6;
@@ -16,13 +16,13 @@ const REGULARISATION: f64 = 0.05;
 /// Smallest regularisation, relative to the mean of the diagonal.
 const MIN_REGULARISATION: f64 = 1e-9;
 
-type Row = [f64; MAX_JOINTS];
+type JointRow = [f64; MAX_JOINTS];
 
 /// Intervals of the factors δ of all joints, within −1 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factors {
-    pub(super) lower: Row,
-    pub(super) upper: Row,
+    pub(super) lower: JointRow,
+    pub(super) upper: JointRow,
 }
 
 /// Linear part of a form with the products that the tests share.
@@ -30,9 +30,9 @@ pub(super) struct LinearTest<'a> {
     form: &'a AffineForm,
     joints: usize,
     /// `gram[i][j]`: products of the linear terms of joints i and j.
-    gram: [Row; MAX_JOINTS],
+    gram: [JointRow; MAX_JOINTS],
     /// Products of the linear terms with the centre.
-    gradient: Row,
+    gradient: JointRow,
 }
 
 fn product(a: &PointVectors, b: &PointVectors) -> f64 {
@@ -40,6 +40,7 @@ fn product(a: &PointVectors, b: &PointVectors) -> f64 {
 }
 
 impl<'a> LinearTest<'a> {
+    #[allow(clippy::needless_range_loop, reason = "both triangles of a matrix")]
     pub(super) fn new(form: &'a AffineForm, joints: usize) -> Self {
         let mut gram = [[0.0; MAX_JOINTS]; MAX_JOINTS];
         let mut gradient = [0.0; MAX_JOINTS];
@@ -85,7 +86,7 @@ impl<'a> LinearTest<'a> {
     }
 
     /// Returns true if the form is positive along its linear part's value at `factors`.
-    fn is_away(&self, factors: &Row) -> bool {
+    fn is_away(&self, factors: &JointRow) -> bool {
         let mut direction = self.form.centre;
         self.add_linear(factors, &mut direction);
         let linear = &self.form.linear[..self.joints];
@@ -97,7 +98,7 @@ impl<'a> LinearTest<'a> {
         distance > 0.0 && distance > self.form.spread_along(&direction)
     }
 
-    fn add_linear(&self, factors: &Row, sum: &mut PointVectors) {
+    fn add_linear(&self, factors: &JointRow, sum: &mut PointVectors) {
         for (factor, terms) in factors[..self.joints].iter().zip(&self.form.linear) {
             for (sum, term) in sum.iter_mut().zip(terms) {
                 *sum += *term * *factor;
@@ -149,7 +150,7 @@ impl<'a> LinearTest<'a> {
     }
 
     /// Cholesky factor of the regularised Gram matrix.
-    fn factorise(&self) -> [Row; MAX_JOINTS] {
+    fn factorise(&self) -> [JointRow; MAX_JOINTS] {
         let trace: f64 = (0..self.joints).map(|joint| self.gram[joint][joint]).sum();
         let remainders = &self.form.remainder[..self.form.points];
         let squares: f64 = remainders
@@ -176,7 +177,7 @@ impl<'a> LinearTest<'a> {
     }
 
     /// Row of the inverse of the regularised Gram matrix.
-    fn inverse_row(&self, factor: &[Row; MAX_JOINTS], joint: usize) -> Row {
+    fn inverse_row(&self, factor: &[JointRow; MAX_JOINTS], joint: usize) -> JointRow {
         let mut row = [0.0; MAX_JOINTS];
         row[joint] = 1.0;
         for i in joint..self.joints {

@@ -10,15 +10,11 @@ mod linear_test;
 use super::arm::Arm;
 use super::{Axis, PoseBounds, QueryError};
 use axis_chain::AxisChain;
-use ball_bound::Probe;
+use ball_bound::AxisPoint;
 pub(super) use branch_and_prune::{BoxSearch, BoxSearchEnd};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 use kinopt_solver::ik::Solution;
 
-/// Largest number of free joints of an arm for which unreachability can be proven.
-const MAX_JOINTS: usize = 8;
-/// Largest number of points of the tool that a proof compares with the target.
-const MAX_POINTS: usize = 4;
 /// Distance of the compared points from their frame's origin, as a fraction of the arm's extent.
 ///
 /// It weighs rotations against positions. Of 0.15, 0.3 and 0.5 the first needs the fewest boxes.
@@ -158,8 +154,11 @@ impl Arm {
         let (points, cut) = compared_points(&self.options.goal, lever, &chain)?;
         Some(BoxSearch {
             probes: match self.options.goal == PoseBounds::pose() {
-                true => Probe::on_axes(&chain),
-                false => points.iter().map(|&point| Probe { cut, point }).collect(),
+                true => AxisPoint::on_axes(&chain),
+                false => points
+                    .iter()
+                    .map(|&point| AxisPoint { cut, point })
+                    .collect(),
             },
             chain,
             cut,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::posed_bones::Hinges;
+use super::posed_bones::BoneHinges;
 use super::root_bone::{ancestors, branching_above};
 use super::{ClipIkError, Reach};
 use crate::motion::ContactDetection;
@@ -301,7 +301,7 @@ impl<'a> ClipIk<'a> {
 
     /// Returns the joints of a skeleton's bone. `None` without a skeleton.
     #[doc(hidden)]
-    pub fn hinges(&self, bone: BoneId) -> Option<Hinges> {
+    pub fn hinges(&self, bone: BoneId) -> Option<BoneHinges> {
         let skeleton_bone = self.skeleton?.bones().get(bone.index())?;
         let rest = self
             .armature
@@ -310,7 +310,7 @@ impl<'a> ClipIk<'a> {
             .rotation
             .as_dquat()
             .normalize();
-        Some(Hinges {
+        Some(BoneHinges {
             rest,
             limits: skeleton_bone.limits,
             length: skeleton_bone.length,

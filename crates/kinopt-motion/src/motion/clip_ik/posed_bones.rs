@@ -11,7 +11,7 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 /// Joints of a skeleton's bone: rest rotation, limits of the three angles, and length.
 #[derive(Clone, Debug)]
 #[doc(hidden)]
-pub struct Hinges {
+pub struct BoneHinges {
     pub(super) rest: DQuat,
     pub(super) limits: [Limits; ANGLES_PER_BONE],
     pub(super) length: f64,
@@ -29,7 +29,7 @@ struct RotatingBone {
     /// Index of its first value in a configuration.
     coordinate: usize,
     /// `None` for a ball joint without limits. Its rotation is relative to the pose last taken.
-    hinges: Option<Hinges>,
+    hinges: Option<BoneHinges>,
 }
 
 /// Bones between a root and end effectors. The root and the bones above it do not rotate.
@@ -60,7 +60,7 @@ impl PosedBones {
         armature: &Armature,
         root: Option<BoneId>,
         effectors: &[BoneId],
-        hinges: impl Fn(BoneId) -> Option<Hinges>,
+        hinges: impl Fn(BoneId) -> Option<BoneHinges>,
     ) -> Result<Self, ClipIkError> {
         let count = armature.bones();
         let (mut is_placed, mut rotates) = (vec![false; count], vec![false; count]);
@@ -343,7 +343,7 @@ impl RotatingBone {
 }
 
 /// Returns the tip of a bone on its own x axis. Without a skeleton, the origin.
-fn tip_of(hinges: &Option<Hinges>) -> Vector3<f64> {
+fn tip_of(hinges: &Option<BoneHinges>) -> Vector3<f64> {
     let length = hinges.as_ref().map_or(0.0, |hinges| hinges.length);
     Vector3::new(length, 0.0, 0.0)
 }

@@ -2,7 +2,7 @@
 
 use kinopt_kinematics::spatial::Vector3;
 
-use super::body_limb::{BodyLimb, LimbKind, LimbSide};
+use super::body_limb::{BodyLimb, BodyLimbKind, LimbSide};
 
 /// Smallest horizontal length of a foot, relative to its leg, that shows where a body faces.
 const MIN_RELATIVE_FOOT: f64 = 0.05;
@@ -23,7 +23,7 @@ impl BodyAxes {
     pub(super) fn of(limbs: &[BodyLimb]) -> Option<Self> {
         let legs: Vec<&BodyLimb> = limbs
             .iter()
-            .filter(|limb| limb.kind == LimbKind::Leg)
+            .filter(|limb| limb.kind == BodyLimbKind::Leg)
             .collect();
         let zero = Vector3::zero();
         let up = legs

@@ -8,7 +8,7 @@ use crate::motion::retarget::{BodyPart, parts_of};
 
 /// Kind of a limb, which determines the direction in which it bends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LimbKind {
+pub(super) enum BodyLimbKind {
     Leg,
     Arm,
     /// A limb of an unknown kind, such as a leg of an animal.
@@ -25,7 +25,7 @@ pub(super) enum LimbSide {
 /// A limb with its joints at rest, in model coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct BodyLimb {
-    pub(super) kind: LimbKind,
+    pub(super) kind: BodyLimbKind,
     pub(super) side: Option<LimbSide>,
     /// Bone at the hip or shoulder.
     pub(super) upper: BoneId,
@@ -50,17 +50,17 @@ impl BodyLimb {
 }
 
 /// Parts of a paired limb: hip, knee, ankle and toe, or shoulder, elbow and hand.
-type LimbParts = (LimbKind, LimbSide, [BodyPart; 3], Option<BodyPart>);
+type LimbParts = (BodyLimbKind, LimbSide, [BodyPart; 3], Option<BodyPart>);
 
 const LIMBS: [LimbParts; 4] = [
     (
-        LimbKind::Leg,
+        BodyLimbKind::Leg,
         LimbSide::Left,
         [BodyPart::LeftHip, BodyPart::LeftKnee, BodyPart::LeftAnkle],
         Some(BodyPart::LeftToe),
     ),
     (
-        LimbKind::Leg,
+        BodyLimbKind::Leg,
         LimbSide::Right,
         [
             BodyPart::RightHip,
@@ -70,7 +70,7 @@ const LIMBS: [LimbParts; 4] = [
         Some(BodyPart::RightToe),
     ),
     (
-        LimbKind::Arm,
+        BodyLimbKind::Arm,
         LimbSide::Left,
         [
             BodyPart::LeftShoulder,
@@ -80,7 +80,7 @@ const LIMBS: [LimbParts; 4] = [
         None,
     ),
     (
-        LimbKind::Arm,
+        BodyLimbKind::Arm,
         LimbSide::Right,
         [
             BodyPart::RightShoulder,
@@ -94,7 +94,7 @@ const LIMBS: [LimbParts; 4] = [
 /// The limbs of a skeleton: by the names of bones. If no leg has a known name, also by lengths and branches.
 pub(super) fn limbs(skeleton: &Skeleton) -> Vec<BodyLimb> {
     let mut limbs = named_limbs(skeleton);
-    if !limbs.iter().any(|limb| limb.kind == LimbKind::Leg) {
+    if !limbs.iter().any(|limb| limb.kind == BodyLimbKind::Leg) {
         for chain in chains(skeleton) {
             if limbs
                 .iter()
@@ -140,7 +140,7 @@ fn named_limbs(skeleton: &Skeleton) -> Vec<BodyLimb> {
                 end,
                 toe,
                 joints: [tail(upper), tail(lower), end_position],
-                toe_position: toe_position.filter(|_| kind == LimbKind::Leg),
+                toe_position: toe_position.filter(|_| kind == BodyLimbKind::Leg),
             };
             let [upper, middle, end] = limb.joints;
             let shortest = (middle - upper).norm().min((end - middle).norm());

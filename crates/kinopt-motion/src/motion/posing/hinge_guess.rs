@@ -9,7 +9,7 @@ use kinopt_kinematics::skeleton::{Hinge, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
 
 use super::body_axes::{BodyAxes, unit};
-use super::body_limb::{BodyLimb, LimbKind, LimbSide, limbs};
+use super::body_limb::{BodyLimb, BodyLimbKind, LimbSide, limbs};
 
 /// Rest bend, radians, from which the axis is that of the rest bend alone.
 const CLEAR_BEND: f64 = 10.0 * PI / 180.0;
@@ -153,9 +153,9 @@ fn limb_axis(limb: &BodyLimb, axes: Option<&BodyAxes>) -> Option<LimbAxis> {
 /// Axis about which a knee moves the shin backward, and an elbow the forearm forward.
 fn anatomical_axis(limb: &BodyLimb, axes: &BodyAxes) -> Option<Vector3<f64>> {
     let flexion = match limb.kind {
-        LimbKind::Leg => -axes.forward,
-        LimbKind::Arm => axes.forward,
-        LimbKind::Other => return None,
+        BodyLimbKind::Leg => -axes.forward,
+        BodyLimbKind::Arm => axes.forward,
+        BodyLimbKind::Other => return None,
     };
     let along = unit(limb.joints[2] - limb.joints[0])?;
     let axis = along.cross(flexion);

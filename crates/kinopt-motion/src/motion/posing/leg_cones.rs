@@ -6,7 +6,7 @@ use kinopt_kinematics::model::{BallLimits, Limits};
 use kinopt_kinematics::skeleton::{BoneCone, BoneId, Cones, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
 
-use super::body_limb::{BodyLimb, LimbKind};
+use super::body_limb::{BodyLimb, BodyLimbKind};
 
 /// Largest swing and twist of a thigh about its own direction, radians.
 const HIP: [f64; 2] = [130.0 * PI / 180.0, 40.0 * PI / 180.0];
@@ -27,7 +27,7 @@ pub(super) fn add_leg_cones(skeleton: &Skeleton, limbs: &[BodyLimb], cones: &mut
         let cone = BoneCone::about(axis, limits);
         cones.entry(bone.name.clone()).or_insert(cone);
     };
-    for leg in limbs.iter().filter(|limb| limb.kind == LimbKind::Leg) {
+    for leg in limbs.iter().filter(|limb| limb.kind == BodyLimbKind::Leg) {
         let [hip, knee, ankle] = leg.joints;
         add(leg.upper, knee - hip, HIP);
         if let Some(foot) = leg.end {

@@ -3,7 +3,7 @@
 use kinopt_kinematics::skeleton::{BoneId, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
 
-use super::body_limb::{BodyLimb, LimbKind};
+use super::body_limb::{BodyLimb, BodyLimbKind};
 
 /// Smallest length of a limb, relative to the size of the skeleton.
 const MIN_RELATIVE_LENGTH: f64 = 0.2;
@@ -93,7 +93,7 @@ fn limb_from(skeleton: &Skeleton, lengths: &[f64], first: usize) -> Option<BodyL
     let [(upper, a), (lower, b), (end, c)] = [points[start], points[start + 1], points[start + 2]];
     let end = (end != lower).then_some(end);
     Some(BodyLimb {
-        kind: LimbKind::Other,
+        kind: BodyLimbKind::Other,
         side: None,
         upper: skeleton.bone_at(upper)?,
         lower: skeleton.bone_at(lower)?,

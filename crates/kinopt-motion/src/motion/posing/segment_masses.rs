@@ -6,7 +6,7 @@ use kinopt_kinematics::model::PointMass;
 use kinopt_kinematics::skeleton::{BallSkeleton, BoneId};
 use kinopt_kinematics::spatial::Vector3;
 
-use super::body_limb::{BodyLimb, LimbKind};
+use super::body_limb::{BodyLimb, BodyLimbKind};
 
 /// Shares of the whole mass: trunk with head, and the segments of one limb.
 const TRUNK: f64 = 0.500;
@@ -38,8 +38,8 @@ pub(super) fn segment_masses(
         let [upper, lower, end] = limb.joints;
         roots += upper;
         let [near, far] = match limb.kind {
-            LimbKind::Arm => [UPPER_ARM, FOREARM_AND_HAND],
-            LimbKind::Leg | LimbKind::Other => [THIGH, SHANK_AND_FOOT],
+            BodyLimbKind::Arm => [UPPER_ARM, FOREARM_AND_HAND],
+            BodyLimbKind::Leg | BodyLimbKind::Other => [THIGH, SHANK_AND_FOOT],
         };
         masses.push(on(limb.upper, middle(upper, lower), near));
         masses.push(on(limb.lower, middle(lower, end), far));

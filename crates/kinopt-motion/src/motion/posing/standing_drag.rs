@@ -10,11 +10,11 @@ use kinopt_solver::ik::{Drag, Solution, SolveError};
 use kinopt_solver::problem::{Problem, ProblemError, TaskId};
 use kinopt_solver::task::{Bounded, FramePose, Plane, Point, Posture, SupportPolygon, Task};
 
-use super::body_limb::{BodyLimb, LimbKind, limbs};
+use super::body_limb::{BodyLimb, BodyLimbKind, limbs};
 use super::hinge_guess::guess_hinges;
 use super::leg_cones::add_leg_cones;
 use super::segment_masses::segment_masses;
-use super::support::{Foot, Stance};
+use super::support::{Stance, StandingFoot};
 
 /// Priority level of pinned feet.
 const FEET_LEVEL: usize = 0;
@@ -26,7 +26,7 @@ const TARGET_LEVEL: usize = 2;
 const RELATIVE_MARGIN: f64 = 0.005;
 
 /// Name of a dragged bone, and the task of its target.
-type Target = (String, TaskId<Point>);
+type DragTarget = (String, TaskId<Point>);
 
 /// Error of a drag of a standing character.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -84,7 +84,7 @@ pub enum StandingDragError {
 pub struct StandingDrag {
     skeleton: BallSkeleton,
     drag: Drag,
-    targets: Vec<Target>,
+    targets: Vec<DragTarget>,
     masses: Masses,
     stance: Stance,
 }
@@ -163,7 +163,7 @@ impl StandingDragBuilder<'_> {
         })?;
         let dragged = self.dragged.iter().map(|name| skeleton.bone(name));
         let dragged = dragged.collect::<Result<Vec<BoneId>, _>>()?;
-        let is_lifted = |foot: &Foot| dragged.iter().any(|bone| foot.leg.contains(bone));
+        let is_lifted = |foot: &StandingFoot| dragged.iter().any(|bone| foot.leg.contains(bone));
         stance.feet.retain(|foot| !is_lifted(foot));
         let masses = match self.masses.is_empty() {
             false => self.masses,
@@ -285,7 +285,7 @@ impl StandingDrag {
 /// Bone that carries the limbs: the nearest common ancestor of two limbs of different kinds, else the root.
 fn trunk(skeleton: &Skeleton, limbs: &[BodyLimb]) -> BoneId {
     let parent = |bone: &BoneId| skeleton.bones().get(bone.index())?.parent;
-    let leg = limbs.iter().find(|limb| limb.kind != LimbKind::Arm);
+    let leg = limbs.iter().find(|limb| limb.kind != BodyLimbKind::Arm);
     let hips = leg.and_then(|leg| parent(&leg.upper));
     hips.unwrap_or_else(|| BoneId::new(0))
 }
@@ -302,7 +302,7 @@ impl ProblemParts<'_> {
     fn problem(
         &self,
         dragged: Vec<(String, BoneId)>,
-    ) -> Result<(Problem, Vec<Target>), StandingDragError> {
+    ) -> Result<(Problem, Vec<DragTarget>), StandingDragError> {
         let (skeleton, stance) = (self.skeleton, self.stance);
         let model = skeleton.model();
         let bones = skeleton.skeleton().bones();
@@ -353,8 +353,8 @@ impl ProblemParts<'_> {
         let bones = self.skeleton.skeleton().bones();
         let parent = |bone: &BoneId| bones.get(bone.index())?.parent;
         let limb_bones = self.limbs.iter().map(|limb| match limb.kind {
-            LimbKind::Arm => limb.lower,
-            LimbKind::Leg | LimbKind::Other => limb.end.unwrap_or(limb.lower),
+            BodyLimbKind::Arm => limb.lower,
+            BodyLimbKind::Leg | BodyLimbKind::Other => limb.end.unwrap_or(limb.lower),
         });
         let ends = limb_bones.chain(dragged.iter().map(|(_, bone)| *bone));
         let active: BTreeSet<BoneId> = ends
@@ -370,7 +370,7 @@ impl ProblemParts<'_> {
     fn bones_above_ground(&self, dragged: &[(String, BoneId)]) -> BTreeSet<BoneId> {
         let pinned: Vec<BoneId> = self.stance.feet.iter().map(|foot| foot.bone).collect();
         let limb_bones = self.limbs.iter().flat_map(|limb| {
-            let toe = limb.toe.filter(|_| limb.kind == LimbKind::Leg);
+            let toe = limb.toe.filter(|_| limb.kind == BodyLimbKind::Leg);
             [Some(limb.upper), Some(limb.lower), limb.end, toe]
                 .into_iter()
                 .flatten()

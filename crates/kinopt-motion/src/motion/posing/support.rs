@@ -4,7 +4,7 @@ use kinopt_kinematics::skeleton::{BoneId, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
 
 use super::body_axes::unit;
-use super::body_limb::{BodyLimb, LimbKind};
+use super::body_limb::{BodyLimb, BodyLimbKind};
 
 /// Largest height of a foot of an unknown limb above the lowest one, relative to the size of the skeleton.
 const MAX_RELATIVE_FOOT_HEIGHT: f64 = 0.1;
@@ -17,7 +17,7 @@ const RELATIVE_PAW: f64 = 0.01;
 
 /// A foot at rest.
 #[derive(Clone, Debug)]
-pub(super) struct Foot {
+pub(super) struct StandingFoot {
     /// Bone that is pinned.
     pub(super) bone: BoneId,
     /// Bones of the leg, toes included. A drag of one of them lifts the foot.
@@ -29,7 +29,7 @@ pub(super) struct Foot {
 /// The feet of a skeleton at rest, and the ground.
 #[derive(Clone, Debug)]
 pub(super) struct Stance {
-    pub(super) feet: Vec<Foot>,
+    pub(super) feet: Vec<StandingFoot>,
     /// Unit vertical.
     pub(super) up: Vector3<f64>,
     /// Height of the ground along `up`.
@@ -44,10 +44,10 @@ impl Stance {
         limbs: &[BodyLimb],
         up: Option<Vector3<f64>>,
     ) -> Option<Self> {
-        let has_legs = limbs.iter().any(|limb| limb.kind == LimbKind::Leg);
+        let has_legs = limbs.iter().any(|limb| limb.kind == BodyLimbKind::Leg);
         let candidates = limbs.iter().filter(|limb| match has_legs {
-            true => limb.kind == LimbKind::Leg,
-            false => limb.kind == LimbKind::Other,
+            true => limb.kind == BodyLimbKind::Leg,
+            false => limb.kind == BodyLimbKind::Other,
         });
         let candidates: Vec<&BodyLimb> = candidates.collect();
         let zero = Vector3::zero();
@@ -70,12 +70,14 @@ impl Stance {
         let standing = candidates
             .into_iter()
             .filter(|leg| lowest(leg) <= max_height);
-        let feet: Vec<Foot> = standing.map(|leg| Foot::of(skeleton, leg, up)).collect();
+        let feet: Vec<StandingFoot> = standing
+            .map(|leg| StandingFoot::of(skeleton, leg, up))
+            .collect();
         (!feet.is_empty()).then_some(Self { feet, up, ground })
     }
 }
 
-impl Foot {
+impl StandingFoot {
     fn of(skeleton: &Skeleton, leg: &BodyLimb, up: Vector3<f64>) -> Self {
         let ankle = leg.joints[2];
         let toe = leg.toe_position.unwrap_or(ankle);
@@ -83,7 +85,7 @@ impl Foot {
         let side = horizontal.cross(up) * RELATIVE_HALF_WIDTH;
         let paw = RELATIVE_PAW * skeleton.size();
         let support = match leg.kind {
-            LimbKind::Leg if horizontal.norm() > paw => {
+            BodyLimbKind::Leg if horizontal.norm() > paw => {
                 let heel = ankle - horizontal * RELATIVE_HEEL;
                 vec![toe + side, toe - side, heel + side, heel - side]
             }

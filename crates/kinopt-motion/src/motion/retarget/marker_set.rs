@@ -72,7 +72,7 @@ impl Capture {
     /// # Errors
     /// Returns an error that lists the missing markers and those of the file.
     pub fn of_markers(markers: &MarkerCapture) -> Result<Self, RetargetError> {
-        let tracks = Tracks::of(markers)?;
+        let tracks = MarkerTracks::of(markers)?;
         let mut numbers = Vec::with_capacity(3 * JOINTS.len() * markers.frames());
         for frame in 0..markers.frames() {
             let joints = tracks.joints(frame);
@@ -84,7 +84,7 @@ impl Capture {
 }
 
 /// Trajectories of the markers of the set.
-struct Tracks {
+struct MarkerTracks {
     waist: [Vec<DVec3>; 4],
     head: Vec<Vec<DVec3>>,
     neck: [Vec<DVec3>; 2],
@@ -93,7 +93,7 @@ struct Tracks {
     sides: [[Vec<DVec3>; 7]; 2],
 }
 
-impl Tracks {
+impl MarkerTracks {
     fn of(markers: &MarkerCapture) -> Result<Self, RetargetError> {
         let mut missing = Vec::new();
         let mut track = |side: &str, names: MarkerNames| -> Vec<DVec3> {

@@ -197,7 +197,7 @@ impl PointTrack {
         let legs = ENDS.iter().filter(|end| end.is_leg);
         let lengths: Vec<f64> = legs
             .filter_map(|leg| {
-                let chain = Chain::of(leg, points)?;
+                let chain = ScoredChain::of(leg, points)?;
                 Some(self.chain_length(&chain.base, chain.middle, chain.end))
             })
             .collect();
@@ -207,13 +207,13 @@ impl PointTrack {
 
 /// Point indices of an arm or a leg.
 #[derive(Clone, Debug)]
-pub(super) struct Chain {
+pub(super) struct ScoredChain {
     pub(super) base: Vec<usize>,
     pub(super) middle: Option<usize>,
     pub(super) end: usize,
 }
 
-impl Chain {
+impl ScoredChain {
     pub(super) fn of(definition: &EndDefinition, points: &BodyPoints) -> Option<Self> {
         Some(Self {
             base: points.first_of(definition.base)?,

@@ -16,7 +16,7 @@ const MAX_CONTACT_HEIGHT: f64 = 0.02;
 const LOWEST_QUANTILE: f64 = 0.05;
 
 /// Feet of a motion, with the person if there is one.
-pub(super) struct Feet<'a> {
+pub(super) struct ScoredFeet<'a> {
     pub(super) points: &'a BodyPoints,
     pub(super) model: &'a PointTrack,
     /// Positions of the subject, in the capture's unit.
@@ -29,7 +29,7 @@ pub(super) struct Feet<'a> {
     pub(super) scale: f64,
 }
 
-impl Feet<'_> {
+impl ScoredFeet<'_> {
     /// Measures the contacts of all points in contact; `None` without such points.
     pub(super) fn motion(&self) -> Option<FootMotion> {
         let points = self.points.points.iter().enumerate();

@@ -1,8 +1,8 @@
 //! Scorer of the motions of a robot.
 
-use super::body_points::{BodyPoints, Chain, PointTrack};
+use super::body_points::{BodyPoints, PointTrack, ScoredChain};
 use super::definitions::{ENDS, JERK_POINTS};
-use super::feet::Feet;
+use super::feet::ScoredFeet;
 use super::ground::ground_penetration;
 use super::heading::Heading;
 use super::joint_excess::limit_excess;
@@ -184,7 +184,7 @@ impl<'r> MotionScorer<'r> {
             subject_leg if subject_leg > 0.0 && leg > 0.0 => leg / subject_leg,
             _ => 1.0,
         });
-        let feet = Feet {
+        let feet = ScoredFeet {
             points: &self.points,
             model: &model,
             subject,
@@ -281,7 +281,7 @@ impl<'r> MotionScorer<'r> {
 
     fn end_errors(&self, subject: &PointTrack, model: &PointTrack) -> Vec<EndError> {
         let ends = ENDS.iter().filter_map(|definition| {
-            let chain = Chain::of(definition, &self.points)?;
+            let chain = ScoredChain::of(definition, &self.points)?;
             let lengths = [subject, model]
                 .map(|track| track.chain_length(&chain.base, chain.middle, chain.end));
             if lengths.iter().any(|length| *length <= 0.0) {

@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::io::gltf::document::MESHOPT;
+use super::super::document::MESHOPT;
 
 /// Members of a document that describe compression. Others are ignored.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(in super::super) struct CompressedMembers {
+pub(crate) struct CompressedMembers {
     #[serde(default)]
     buffers: Vec<Extended<BufferExtensions>>,
     #[serde(default)]
     buffer_views: Vec<Extended<ViewExtensions>>,
     #[serde(default)]
-    meshes: Vec<Mesh>,
+    meshes: Vec<MeshMember>,
 }
 
 #[derive(Deserialize)]
@@ -60,7 +60,7 @@ pub(super) struct MeshoptView {
 }
 
 #[derive(Deserialize)]
-struct Mesh {
+struct MeshMember {
     #[serde(default)]
     primitives: Vec<Extended<PrimitiveExtensions>>,
 }
@@ -86,7 +86,7 @@ pub(super) struct DracoPrimitive {
 
 impl CompressedMembers {
     /// Reports whether a buffer only reserves the size of decoded bytes. It has no contents of its own.
-    pub(in super::super) fn is_fallback(&self, buffer: usize) -> bool {
+    pub(crate) fn is_fallback(&self, buffer: usize) -> bool {
         let buffer = self.buffers.get(buffer);
         let extensions = buffer.and_then(|buffer| buffer.extensions.as_ref());
         extensions.is_some_and(|extensions| {

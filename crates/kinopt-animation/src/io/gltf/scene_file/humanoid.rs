@@ -8,9 +8,9 @@ use super::SceneFile;
 
 /// `extensions` with the humanoid of VRM 1 and VRM 0.
 #[derive(Deserialize)]
-struct Extensions {
+struct HumanoidExtensions {
     #[serde(rename = "VRMC_vrm")]
-    first: Option<Vrm<BTreeMap<String, Node>>>,
+    first: Option<Vrm<BTreeMap<String, HumanoidNode>>>,
     #[serde(rename = "VRM")]
     zeroth: Option<Vrm<Vec<NamedNode>>>,
 }
@@ -27,7 +27,7 @@ struct Humanoid<T> {
 }
 
 #[derive(Deserialize)]
-struct Node {
+struct HumanoidNode {
     node: usize,
 }
 
@@ -44,7 +44,7 @@ impl SceneFile {
     pub fn human_bones(&self) -> BTreeMap<String, String> {
         let extensions = self.document.get("extensions");
         let extensions = extensions.and_then(|text| serde_json::from_str(text.get()).ok());
-        let Some(Extensions { first, zeroth }) = extensions else {
+        let Some(HumanoidExtensions { first, zeroth }) = extensions else {
             return BTreeMap::new();
         };
         let first = first

@@ -13,18 +13,18 @@ const SLACK: f64 = 1e-5;
 const CHANGE_WEIGHT: f64 = 1e-4;
 
 /// ½ ‖excess‖² and ½ λ² ‖x − clamped‖².
-struct LimitExcess<'a> {
+struct KeyExcess<'a> {
     rows: &'a [Row],
     clamped: DVector<f64>,
 }
 
-impl LimitExcess<'_> {
+impl KeyExcess<'_> {
     fn excess(row: &Row, x: &DVector<f64>) -> f64 {
         (row.excess(x) + SLACK).max(0.0)
     }
 }
 
-impl Cost for LimitExcess<'_> {
+impl Cost for KeyExcess<'_> {
     type Error = Infallible;
 
     fn value(&mut self, x: &DVector<f64>) -> Result<f64, Infallible> {
@@ -65,7 +65,7 @@ pub(super) fn limited_change(rows: &mut [Row], clamped: DVector<f64>) -> DVector
     if rows.iter().all(|row| row.excess(&clamped) <= 0.0) {
         return clamped;
     }
-    let mut problem = LimitExcess { rows, clamped };
+    let mut problem = KeyExcess { rows, clamped };
     let start = problem.clamped.clone();
     let x = match minimise(&mut problem, &[], start) {
         Ok(x) => x,

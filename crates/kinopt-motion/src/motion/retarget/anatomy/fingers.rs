@@ -3,15 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::joint_tree::JointTree;
-use super::name_words::{Finger, bone_names, is_chain_end, is_twist};
+use super::name_words::{FingerName, bone_names, is_chain_end, is_twist};
 
 /// Largest number of rotating bones of a finger.
 const PHALANGES: usize = 3;
 
 /// Returns the bones of each finger below a wrist, from the palm outwards, without metacarpals and ends.
-pub(in super::super) fn fingers(tree: &JointTree, wrist: usize) -> BTreeMap<Finger, Vec<usize>> {
+pub(in super::super) fn fingers(
+    tree: &JointTree,
+    wrist: usize,
+) -> BTreeMap<FingerName, Vec<usize>> {
     let names = bone_names(&tree.names);
-    let mut fingers: BTreeMap<Finger, Vec<usize>> = BTreeMap::new();
+    let mut fingers: BTreeMap<FingerName, Vec<usize>> = BTreeMap::new();
     for joint in tree.subtree(wrist).into_iter().skip(1) {
         let name = &tree.names[joint];
         let Some(finger) = names[joint].finger() else {

@@ -8,5 +8,5 @@ mod recognition;
 
 pub(super) use fingers::fingers;
 pub(super) use joint_tree::JointTree;
-pub(super) use name_words::{Finger, is_twist};
+pub(super) use name_words::{FingerName, is_twist};
 pub(super) use recognition::{Anatomy, recognise};

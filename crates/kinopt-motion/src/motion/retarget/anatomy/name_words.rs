@@ -27,7 +27,7 @@ pub(super) enum BoneRole {
 
 /// Finger of a hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in super::super) enum Finger {
+pub(in super::super) enum FingerName {
     Thumb,
     Index,
     Middle,
@@ -143,15 +143,15 @@ const ROLE_WORDS: [(BoneRole, &[(&str, f64)]); 9] = [
 ];
 
 /// Words of fingers.
-const FINGER_WORDS: [(Finger, &[&str]); 5] = [
-    (Finger::Thumb, &["thumb", "親指"]),
+const FINGER_WORDS: [(FingerName, &[&str]); 5] = [
+    (FingerName::Thumb, &["thumb", "親指"]),
     (
-        Finger::Index,
+        FingerName::Index,
         &["index", "pointer", "forefinger", "人指", "人差指"],
     ),
-    (Finger::Middle, &["middle", "mid", "中指"]),
-    (Finger::Ring, &["ring", "薬指"]),
-    (Finger::Little, &["pinky", "little", "pinkie", "小指"]),
+    (FingerName::Middle, &["middle", "mid", "中指"]),
+    (FingerName::Ring, &["ring", "薬指"]),
+    (FingerName::Little, &["pinky", "little", "pinkie", "小指"]),
 ];
 
 /// Words that only say that something is a bone, or name a bone's part that carries the limb.
@@ -235,7 +235,7 @@ impl BoneName {
     }
 
     /// Finger of the name.
-    pub(super) fn finger(&self) -> Option<Finger> {
+    pub(super) fn finger(&self) -> Option<FingerName> {
         let named = |words: &&[&str]| words.iter().any(|word| self.rest.contains(word));
         let finger = FINGER_WORDS.iter().find(|(_, words)| named(words));
         finger.map(|(finger, _)| *finger)

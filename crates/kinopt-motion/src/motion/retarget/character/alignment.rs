@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use glam::{DQuat, DVec3};
 
 use super::super::BodyPart;
-use super::super::anatomy::{Finger, JointTree, fingers};
+use super::super::anatomy::{FingerName, JointTree, fingers};
 use super::bones::CharacterBone;
 use super::correspondence::{BoneMotion, Correspondence};
 use super::rotation::{arc, axes, heading};
@@ -56,7 +56,7 @@ impl PosedBody<'_> {
         let (tree, &wrist) = (self.tree?, self.parts.get(&hand)?);
         let mut bases: Vec<DVec3> = Vec::new();
         for (finger, chain) in fingers(tree, wrist) {
-            if let Some(&base) = chain.first().filter(|_| finger != Finger::Thumb) {
+            if let Some(&base) = chain.first().filter(|_| finger != FingerName::Thumb) {
                 bases.push(self.positions[base]);
             }
         }

@@ -3,14 +3,11 @@
 use super::super::contacts::{LimbContact, foot_contact, lifted};
 use super::super::{BodyMap, BodyPart, RetargetError, Retargeting};
 use super::proportions::LEGS;
-use super::transfer::{CharacterTransfer, FootTarget, SubjectFrame};
+use super::transfer::{CharacterTransfer, FootTarget, FootTargets, SubjectFrame};
 use crate::motion::contact::{FootContact, plant_at};
 use crate::motion::retarget::Capture;
 use glam::DVec3;
 use kinopt_kinematics::spatial::Vector3;
-
-/// Targets of both feet in each frame.
-pub(super) type FootTargets = Vec<[Option<FootTarget>; 2]>;
 
 /// Driven limb of each ankle and toe.
 pub(super) type FootLimbs = [[Option<usize>; 2]; 2];

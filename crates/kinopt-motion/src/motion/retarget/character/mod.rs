@@ -7,6 +7,7 @@
 //! | `position_frames.rs` | rotations from positions, for captures without rotations |
 //! | `proportions.rs`, `feet.rs` | ratio of the legs, targets and contacts of the feet |
 //! | `transfer.rs`, `leg.rs` | one frame: rotations, hips, two-bone IK of the legs |
+//! | `onto_character.rs` | fit of a capture to a character |
 //! | `motion.rs`, `follower.rs` | recorded motions, online frames |
 
 mod alignment;
@@ -17,6 +18,7 @@ mod feet;
 mod follower;
 mod leg;
 mod motion;
+mod onto_character;
 mod pose;
 mod position_frames;
 mod proportions;

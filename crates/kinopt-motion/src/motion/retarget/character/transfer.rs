@@ -46,6 +46,9 @@ pub(super) struct FootTarget {
     pub(super) toe: Option<DVec3>,
 }
 
+/// Targets of both feet in each frame.
+pub(super) type FootTargets = Vec<[Option<FootTarget>; 2]>;
+
 impl FootTarget {
     /// Returns the target at the foot's length from the ankle to the toe. Of a contact and a free point the free one
     /// moves. The levels of contact are from 0 (free) to 1.
