@@ -473,7 +473,6 @@ impl Arm {
         signature = (targets, tools = None, start = None, *, criterion = None, threads = 1),
         text_signature = "($self, targets, tools=None, start=None, *, criterion='distance', threads=1)"
     )]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn solve_goals(
         &self,
         py: Python<'_>,
