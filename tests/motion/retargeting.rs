@@ -113,9 +113,9 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
         assert_eq!(found.report.contact_frames, ["left_sole", "right_sole"]);
         assert!(found.report.slip < most, "{} m", found.report.slip);
         assert!(
-            mean_target_error(&retargeting, &found) < 0.03,
+            mean_target_error(&retargeting, found) < 0.03,
             "{} m",
-            mean_target_error(&retargeting, &found)
+            mean_target_error(&retargeting, found)
         );
         // The right foot is in contact all the time, the left one before and after its step.
         let in_contact = |frame: usize| &found.report.contacts[2 * frame..2 * frame + 2];
