@@ -21,8 +21,10 @@ struct Case {
 fn random_case(frames: usize) -> Case {
     let mut random = Random::new(11);
     let rest: Vec<_> = (0..24).map(|_| random.vector(0.5)).collect();
-    let mut arrays = SmplArrays::default();
-    arrays.frame_rate = 30.0;
+    let mut arrays = SmplArrays {
+        frame_rate: 30.0,
+        ..SmplArrays::default()
+    };
     for _ in 0..frames {
         arrays.translations.extend(random.vector(2.0).iter());
         for _ in 0..24 {
@@ -171,11 +173,13 @@ fn default_skeleton_has_the_height_and_the_axis_of_the_motion() {
         (52, 0.5 * std::f64::consts::PI, 2),
         (55, 0.0, 1),
     ] {
-        let mut arrays = SmplArrays::default();
-        arrays.frame_rate = 30.0;
-        arrays.poses = vec![0.0; 3 * joints];
+        let mut arrays = SmplArrays {
+            frame_rate: 30.0,
+            poses: vec![0.0; 3 * joints],
+            translations: vec![0.0; 3],
+            ..SmplArrays::default()
+        };
         arrays.poses[0] = angle;
-        arrays.translations = vec![0.0; 3];
         let motion = SmplMotion::new("stand", &arrays, &RestJoints::Height(2.0)).unwrap();
         assert_eq!(motion.armature.bones(), joints);
         assert!(

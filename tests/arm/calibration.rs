@@ -296,11 +296,10 @@ fn base_that_sums_with_a_joint_is_undetermined() {
     let fit_of = |parameters| {
         let calibration = bench.calibration().with_parameters(parameters);
         let fit = calibration.fit(&q, Measurements::Poses(&poses)).unwrap();
-        let determined = move |name: &str| {
+        move |name: &str| {
             let named = |found: &&kinopt::calibration::ParameterEstimate| found.name == name;
             fit.parameters.iter().find(named).unwrap().is_determined
-        };
-        determined
+        }
     };
     let all = fit_of(ParameterSet::default());
     for name in [

@@ -77,7 +77,7 @@ fn curves_of_an_unlimited_arm_are_closed() {
     let (mut parent, mut parent_from_joint) = (None, Placement::identity());
     for i in 0..7 {
         let limits = Limits::new(f64::NEG_INFINITY, f64::INFINITY);
-        parent = Some(builder.revolute(&format!("joint{i}"), parent, parent_from_joint, z, limits));
+        parent = Some(builder.revolute(format!("joint{i}"), parent, parent_from_joint, z, limits));
         let angle = [1.3, -1.2, 1.4, -1.1, 1.2, -1.4, 0.3][i];
         let turn = Matrix3::rotation(
             Vector3::new(1.0, 0.0, 0.0),

@@ -172,6 +172,7 @@ fn reordered<T: Clone>(elements: &[T], order: &[usize]) -> Vec<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::parse;
 

@@ -132,6 +132,7 @@ impl BoxSearch {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::disallowed_methods, reason = "tests")]
 mod tests {
     use std::f64::consts::PI;
 
