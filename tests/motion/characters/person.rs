@@ -336,8 +336,6 @@ pub(crate) fn dance_root(frame: usize) -> DVec3 {
 /// A motion onto a person.
 pub(crate) struct Retargeted {
     pub(crate) motion: Trajectory<RetargetReport>,
-    pub(crate) figure: FigureTarget,
-    pub(crate) map: BodyMap,
     /// World placements by frame and bone, with y up.
     pub(crate) placed: Vec<Vec<(DQuat, DVec3)>>,
 }
@@ -372,12 +370,7 @@ pub(crate) fn retarget_capture(
     let armature = target.armature();
     let clip = figure.clip("out", &armature, &motion.q, RATE).unwrap();
     let placed = placements(&armature, &clip);
-    Retargeted {
-        motion,
-        placed,
-        map,
-        figure,
-    }
+    Retargeted { motion, placed }
 }
 
 /// World placements of a clip by frame and bone, by products of local transforms.
