@@ -85,7 +85,7 @@ impl Arm {
 
     /// The same arm with another search, which shares the seed atlas.
     ///
-    /// Example: several distinct solutions, from an arm that otherwise gives the one from the start.
+    /// Example: the nearest solution, from an arm that otherwise gives the one from the start.
     ///
     /// # Errors
     /// Returns an error for a search whose numbers are out of range, or that is incompatible with the arm's posture.
