@@ -6,7 +6,6 @@ Run: python benches/reachability/shares.py
 import time
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 import kinopt
 
@@ -25,11 +24,10 @@ def random_poses(arm, rng):
     centre = tools.mean(axis=0)
     radius = np.linalg.norm(tools - centre, axis=1).max()
     while True:
-        pose = np.eye(4)
-        pose[:3, :3] = Rotation.random(random_state=rng).as_matrix()
-        direction = rng.normal(size=3)
-        pose[:3, 3] = centre + direction / np.linalg.norm(direction) * radius * rng.uniform() ** (1 / 3)
-        yield pose
+        quaternion, direction = rng.normal(size=4), rng.normal(size=3)
+        quaternion /= np.linalg.norm(quaternion)
+        direction /= np.linalg.norm(direction)
+        yield kinopt.placement(centre + direction * radius * rng.uniform() ** (1 / 3), wxyz=quaternion)
 
 
 def main():

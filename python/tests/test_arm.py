@@ -324,9 +324,7 @@ def test_reachability_is_a_solution_or_a_proof(robot, targets):
     arm = kinopt.Arm(robot, "base", "flange")
     found = arm.reachability(targets[0])
     assert found.reachable and found.solution.reached and found.boxes == 0
-    turned = np.eye(4)
-    turned[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
-    turned[:3, 3] = [0.2, 0.1, 0.1]
+    turned = kinopt.placement([0.8, 0, 0.3], rpy=[0, -1.57, 0])
     proof = arm.reachability(turned)
     assert proof.reachable is False and proof.boxes > 0
     assert proof.solution.is_out_of_reach and "Out of reach" in proof.explain()

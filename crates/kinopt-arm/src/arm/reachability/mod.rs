@@ -106,9 +106,9 @@ impl Arm {
     /// # use kinopt::spatial::{Matrix3, Placement, Vector3};
     /// let robot = Robot::read("models/franka_panda.urdf")?;
     /// let arm = Arm::new(&robot, "base", "flange")?;
-    /// // Half a metre in front of the base, at its height, with the tool pointing backwards.
+    /// // The flange is 0.8 m in front and points back to the base.
     /// let backwards = Matrix3::from_roll_pitch_yaw([0.0, -1.57, 0.0]);
-    /// let target = Placement::new(backwards, Vector3::new(0.5, 0.0, 0.0));
+    /// let target = Placement::new(backwards, Vector3::new(0.8, 0.0, 0.3));
     /// let answer = arm.reachability(target, arm.default_start(), 100_000)?;
     /// assert_eq!(answer.is_reachable(), Some(false));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
