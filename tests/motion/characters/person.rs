@@ -13,6 +13,7 @@ use kinopt::motion::retarget::{
 };
 use serde::Deserialize;
 use support::random::Random;
+use support::retargeted::mean_target_error;
 
 /// Frames per second of all motions.
 pub(crate) const RATE: f64 = 30.0;
@@ -336,6 +337,8 @@ pub(crate) fn dance_root(frame: usize) -> DVec3 {
 /// A motion onto a person.
 pub(crate) struct Retargeted {
     pub(crate) motion: Trajectory<RetargetReport>,
+    /// Mean distance of the driven points from their targets, in the unit of the person.
+    pub(crate) target_error: f64,
     /// World placements by frame and bone, with y up.
     pub(crate) placed: Vec<Vec<(DQuat, DVec3)>>,
 }
@@ -370,7 +373,12 @@ pub(crate) fn retarget_capture(
     let armature = target.armature();
     let clip = figure.clip("out", &armature, &motion.q, RATE).unwrap();
     let placed = placements(&armature, &clip);
-    Retargeted { motion, placed }
+    let target_error = mean_target_error(&fitted, &motion);
+    Retargeted {
+        motion,
+        target_error,
+        placed,
+    }
 }
 
 /// World placements of a clip by frame and bone, by products of local transforms.
@@ -437,13 +445,6 @@ pub(crate) fn direction_errors(
             (*end, mean, angles.iter().copied().fold(0.0, f64::max))
         })
         .collect()
-}
-
-/// Mean distance between the bones of two motions.
-pub(crate) fn mean_distance(from: &[Vec<(DQuat, DVec3)>], to: &[Vec<(DQuat, DVec3)>]) -> f64 {
-    let bones = from.iter().flatten().zip(to.iter().flatten());
-    let distances: Vec<f64> = bones.map(|((_, a), (_, b))| a.distance(*b)).collect();
-    distances.iter().sum::<f64>() / distances.len() as f64
 }
 
 /// Largest angle in degrees between the rotations of two motions, with the bone.
