@@ -24,8 +24,11 @@ def columns(result: Any) -> dict[str, Any]:
     rows = {name: getattr(result, name, None) for name in _COLUMNS}
     named += [(name, row) for name, row in rows.items() if getattr(row, "shape", None) == (len(result),)]
     report: Any = getattr(result, "report", None)
-    contact_frames = getattr(report, "contact_frames", [])
-    named += [(f"{frame} in contact", report.contacts[:, k]) for k, frame in enumerate(contact_frames)]
+    contact_frames: list[str] = getattr(report, "contact_frames", [])
+    for k, frame in enumerate(contact_frames):
+        # As in .csv files, a frame with several contact points has numbered columns from its second point on.
+        count = contact_frames[:k].count(frame)
+        named.append((f"{frame} in contact {count + 1}" if count else f"{frame} in contact", report.contacts[:, k]))
     table = dict(named)
     if len(table) < len(named):
         names = [name for name, _ in named]

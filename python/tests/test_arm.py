@@ -143,8 +143,8 @@ def test_six_joints_have_a_complete_set():
     found = ur5e.solve_all(ur5e.base_from_tool(q), q)
     assert found.complete and not found.has_family and found.argument == "three_parallel_axes"
     assert np.abs(found.q[0] - q).max() < 1e-9
-    # Eight branches with two turns of each joint but the elbow.
-    assert len(found) == 8 * 32
+    # Eight branches with two turns of each joint.
+    assert len(found) == 8 * 64
     branches = set(zip(found.shoulder, found.elbow, found.wrist))
     assert len(branches) == 8 and {name for names in branches for name in names} == {
         "left", "right", "up", "down", "flip", "no_flip",

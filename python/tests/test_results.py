@@ -17,6 +17,7 @@ import kinopt
 from kinopt import tasks
 from kinopt.errors import FileError, InvalidValueError, UnknownNameError
 from kinopt.retargeting import FigureTarget
+from kinopt.tables import columns
 from kinopt.types import Floats
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -97,6 +98,9 @@ def test_paths_and_motions_are_tables(path: kinopt.JointPath[Any], walk: kinopt.
     frame = walk.to_frame()
     assert frame.columns[0] == "time" and np.array_equal(frame.time, walk.times)
     assert np.array_equal(frame["left_foot in contact"], walk.report.contacts[:, 0])
+    # Ankles and toes are contact points of the same frames.
+    assert walk.report.contact_frames == ["left_foot", "right_foot"] * 2
+    assert np.array_equal(frame["left_foot in contact 2"], walk.report.contacts[:, 2])
     assert walk.to_arrow().column_names == frame.columns.tolist()
     batch = kinopt.Arm(lift(), None, "hook").solve_batch([np.eye(4)])
     with pytest.raises(InvalidValueError, match="`reached`"):
@@ -133,7 +137,7 @@ def test_tables_are_saved(path: kinopt.JointPath[Any], walk: kinopt.Trajectory[A
         rows = list(csv.reader((tmp_path / "motion.csv").open()))
         assert rows[0][: 1 + len(motion.names)] == ["time", *motion.names] and len(rows) == 1 + len(motion)
         assert [float(number) for number in rows[3][: 1 + len(motion.names)]] == [motion.times[2], *motion.q[2]]
-    assert {row[-1] for row in rows[1:]} == {"0", "1"}
+    assert rows[0] == list(columns(walk)) and {row[-1] for row in rows[1:]} == {"0", "1"}
     # Bare rows have the quaternion of the base as x, y, z, w.
     walk.save(tmp_path / "bare.csv", header=False)
     bare = np.loadtxt(tmp_path / "bare.csv", delimiter=",")

@@ -21,9 +21,6 @@ use crate::scene::{Scene, SceneFile};
 use crate::skeleton::{Skeleton, cones_of};
 use crate::solution::Solution;
 
-/// Frames of `settle`.
-const SETTLE_FRAMES: usize = 1000;
-
 /// A drag of some bones of a character on a free base: a rig, a scene or a skeleton.
 ///
 /// Feet keep their pose at rest, unless a bone of their leg is dragged. The center of mass stays above the support
@@ -181,7 +178,7 @@ impl StandingDrag {
     /// As `advance`, until the body is at rest, in at most `frames` frames.
     ///
     /// Raises `UnknownNameError` for a bone that is not dragged.
-    #[pyo3(signature = (targets = None, *, frames = SETTLE_FRAMES))]
+    #[pyo3(signature = (targets = None, *, frames = 1000))]
     fn settle(
         &self,
         py: Python<'_>,

@@ -179,8 +179,10 @@ impl<'a> TrajectoryTable<'a> {
 
     /// Header row, then one row for each sample: time in seconds, configuration, and contact flags (1 in contact).
     fn with_header(self) -> String {
-        let contact_frames = self.contacts.iter().flat_map(|contacts| &contacts.frames);
-        let contact_columns = contact_frames.map(|frame| format!("{frame} in contact"));
+        let contact_frames = self
+            .contacts
+            .map_or(&[][..], |contacts| contacts.frames.as_slice());
+        let contact_columns = contact_columns(contact_frames);
         let columns = std::iter::once("time".to_owned())
             .chain(self.names.iter().cloned())
             .chain(contact_columns);
@@ -198,4 +200,16 @@ impl<'a> TrajectoryTable<'a> {
         }
         text
     }
+}
+
+/// Names of the contact columns. A frame with several contact points has numbered columns from its second point on.
+fn contact_columns(frames: &[String]) -> Vec<String> {
+    let name = |(column, frame): (usize, &String)| {
+        let earlier = frames[..column].iter().filter(|other| *other == frame);
+        match earlier.count() {
+            0 => format!("{frame} in contact"),
+            count => format!("{frame} in contact {}", count + 1),
+        }
+    };
+    frames.iter().enumerate().map(name).collect()
 }

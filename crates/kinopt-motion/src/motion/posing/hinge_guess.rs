@@ -101,7 +101,8 @@ pub fn guess_hinges(skeleton: &Skeleton) -> Vec<GuessedHinge> {
         }
         let [upper, lower] = segments(limb);
         let signed_bend = elementary::atan2(axis.dot(upper.cross(lower)), upper.dot(lower));
-        let straight = -signed_bend.max(0.0);
+        // A difference, which is 0 and not -0 for a straight limb.
+        let straight = 0.0 - signed_bend.max(0.0);
         Some(GuessedHinge {
             bone: bone.name.clone(),
             hinge: Hinge {
