@@ -37,7 +37,7 @@ fn feet_in_contact_are_not_pressed_into_the_ground() {
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         check_limits(&robot, &found);
         assert!(
-            found.report.ground_penetration < 8e-4,
+            found.report.ground_penetration < 1e-3,
             "{} m",
             found.report.ground_penetration
         );
