@@ -69,7 +69,7 @@ fn non_rigid_maps_are_rejected() {
         ),
         (
             Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0)),
-            "not finite",
+            "row 0, column 3 of its 4 x 4 matrix is NaN",
         ),
     ] {
         let error = Placement::try_from(map).unwrap_err().to_string();
