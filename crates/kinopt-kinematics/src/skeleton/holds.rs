@@ -82,7 +82,7 @@ impl Skeleton {
         }
         // By bone: the movable child with the longest chain.
         let mut longest_child: Vec<Option<usize>> = vec![None; bones];
-        let lengths = self.limb_lengths();
+        let lengths = self.lengths_of_chains(|_| true);
         for bone in (0..bones).filter(|&bone| depth[bone] > 0) {
             if let Some(parent) = parent(bone) {
                 let best = &mut longest_child[parent];
@@ -107,7 +107,8 @@ impl Skeleton {
         // By bone: it belongs to a long limb to fix; it is the end of that limb, apart from short limbs.
         let is_long_limb = |bone: usize| lengths[bone] >= min_limb_length && depth[bone] > 0;
         // By bone: the first bone of a limb with a partner. Tails and heads have none, and move along.
-        let length_of = |bone: usize| self.chain_length(&lengths, bone);
+        let movable_lengths = self.lengths_of_chains(|bone| depth[bone] > 0);
+        let length_of = |bone: usize| self.chain_length(&movable_lengths, bone);
         let starts: Vec<usize> = (0..bones)
             .filter(|&bone| is_long_limb(bone) && parent(bone).is_some_and(|p| long_limbs[p] > 1))
             .collect();
@@ -156,10 +157,10 @@ impl Skeleton {
 }
 
 impl Skeleton {
-    /// Length of the longest chain from the tail of each bone, at rest.
-    fn limb_lengths(&self) -> Vec<f64> {
+    /// Length of the longest chain of selected bones from the tail of each bone, at rest.
+    fn lengths_of_chains(&self, is_selected: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut lengths: Vec<f64> = self.bones.iter().map(|bone| bone.length).collect();
-        for index in (0..lengths.len()).rev() {
+        for index in (0..lengths.len()).rev().filter(|&index| is_selected(index)) {
             if let Some(parent) = self.bones[index].parent.map(BoneId::index) {
                 lengths[parent] = lengths[parent].max(self.chain_length(&lengths, index));
             }

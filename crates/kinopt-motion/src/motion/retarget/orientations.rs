@@ -28,6 +28,8 @@ const MAX_SLOPE: f64 = 0.9;
 const LATERAL_REGULARISATION: f64 = 1e-3;
 /// Cosine of the largest angle at which a direction of a hand counts as an axis of its frame: 15°.
 const MIN_SNAP_COSINE: f64 = 0.966;
+/// Sine of the bend of an elbow below which its side is undetermined: 3°.
+const MIN_BEND_SINE: f64 = 0.05;
 /// Length of a direction below which it is undetermined.
 const MIN_LENGTH: f64 = 1e-9;
 
@@ -396,6 +398,7 @@ fn finger_bases(names: &[String], side: &str, other_side: &str) -> Option<[usize
 
 /// Returns the rotation from the axes of a hand to those of its captured joint. In the mean over all frames, a hand is
 /// along the forearm, with the thumb on the side to which the elbow bends.
+/// `None` if no frame has a bent elbow.
 fn hand_offset(
     capture: &Capture,
     up: UpAxis,
@@ -406,10 +409,11 @@ fn hand_offset(
         let [shoulder, elbow, hand] = [shoulder, elbow, wrist].map(|joint| pose.position(joint));
         let along = direction(hand - elbow)?;
         let upper = direction(shoulder - elbow)?;
-        // Short for a straight arm, which determines no side.
+        // Short for a straight arm, whose rounding errors determine no side.
         let thumb = upper - along * upper.dot(along);
-        let side = direction(thumb)?;
-        let columns = [along, side.cross(along), side].map(|axis| axis * thumb.norm());
+        let bend = thumb.norm();
+        let side = direction(thumb).filter(|_| bend > MIN_BEND_SINE)?;
+        let columns = [along, side.cross(along), side].map(|axis| axis * bend);
         let axes = Matrix3::from_columns(columns[0], columns[1], columns[2]);
         Some(pose.rotation(wrist)?.transpose() * axes)
     });
