@@ -108,6 +108,8 @@ def humanoid_urdf():
         for names, step in ((limb, "0.05 0 -0.3"), (arm, "0.05 0 -0.2")):
             for parent, link in zip(names, names[1:]):
                 start = f"0 {y} 0" if parent in ("pelvis", "torso_link") else step
+                # The axes of an ankle are close together.
+                start = "0 0 -0.02" if link == "ankle_roll_link" else start
                 owner = parent if parent in ("pelvis", "torso_link") else f"{side}_{parent}"
                 links.append((f"{side}_{link}", owner, "revolute", start))
         links += [(f"{side}_ankle_roll_sphere_3_link", f"{side}_ankle_roll_link", "fixed", "0.1 0 0")]
@@ -118,7 +120,7 @@ def humanoid_urdf():
     for link, parent, kind, xyz in links:
         parts.append(
             f'''<joint name="{link} joint" type="{kind}"><origin xyz="{xyz}"/><parent link="{parent}"/><child link="{link}"/>
-            <axis xyz="0 1 0"/><limit lower="-2" upper="2"/></joint>'''
+            <axis xyz="{"1 0 0" if "roll" in link else "0 1 0"}"/><limit lower="-2" upper="2"/></joint>'''
         )
     return f'<robot name="humanoid">{"".join(parts)}</robot>'
 
