@@ -30,6 +30,8 @@ pub(super) fn collect_solutions(
     query: &Query<'_>,
 ) -> Termination {
     if collect_complete_set(arm, workspace, query) {
+        // Within the tolerances it may end at a limit that an exact solution exceeds.
+        run_attempts(arm, workspace, query, 0, 1);
         rank_by_distance(arm, workspace);
         return Termination::Reached;
     }
