@@ -14,6 +14,8 @@ use kinopt_solver::ik::Solution;
 use kinopt_solver::search::SearchResult;
 use kinopt_solver::solver::Termination;
 
+/// Distance of a start from a limit, radians or metres, below which the nearest solution may end at the limit.
+const NEAR_LIMIT: f64 = 0.01;
 /// Number of attempts between two checks of the budget.
 const GROUP_ATTEMPTS: u32 = 16;
 /// Number of attempts between two checks of the clock, with a time limit: one lock step.
@@ -29,13 +31,19 @@ pub(super) fn collect_solutions(
     workspace: &mut ArmWorkspace,
     query: &Query<'_>,
 ) -> Termination {
-    if collect_complete_set(arm, workspace, query) {
-        // Within the tolerances it may end at a limit that an exact solution exceeds.
+    if !starts_near_limit(arm, query.start) && collect_complete_set(arm, workspace, query) {
         run_attempts(arm, workspace, query, 0, 1);
         rank_by_distance(arm, workspace);
         return Termination::Reached;
     }
     collect_attempts(arm, workspace, query)
+}
+
+/// Returns whether a joint starts next to a limit. Within the tolerances the nearest solution may then end at a limit
+/// that all exact solutions exceed.
+fn starts_near_limit(arm: &Arm, start: &[f64]) -> bool {
+    let mut joints = start.iter().zip(arm.limits());
+    joints.any(|(q, limits)| (q - limits.lower).min(limits.upper - q) < NEAR_LIMIT)
 }
 
 /// Runs the attempts of a query and sorts those that reach by their distance from the start.
