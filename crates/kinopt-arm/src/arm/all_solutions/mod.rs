@@ -148,6 +148,8 @@ impl Arm {
     /// turn nearest to the start. An arm with a checker returns its collision-free solutions. Options of attempts
     /// and postures have no effect. An arm with bounds on motions counts as another arm.
     ///
+    /// A configuration at a limit that reaches the target within the tolerances only is not in the set.
+    ///
     /// Other arms return what their attempts find, and are never complete. Their solutions are at least 1e-3 rad apart,
     /// those of a redundant arm 0.5 rad (weighted joint distance). [`self_motions`](Self::self_motions) samples the
     /// solutions of seven joints.
