@@ -167,7 +167,7 @@ fn body_model_shapes_the_rest_joints() {
 }
 
 #[test]
-fn default_skeleton_has_the_height_and_the_axis_of_the_motion() {
+fn default_skeleton_has_height_and_axis_of_the_motion() {
     for (joints, angle, up) in [
         (24, 0.0, 1),
         (52, 0.5 * std::f64::consts::PI, 2),

@@ -134,7 +134,7 @@ fn configuration_of_the_target_is_found() {
 
 /// An elimination knows nothing of a closed form's structure: a tilt of the axes by 1e-3 rad hides it.
 #[test]
-fn nearly_structured_arms_have_equal_numbers_of_solutions() {
+fn nearly_structured_arms_have_as_many_solutions() {
     let mut tilted = PUMA;
     for (i, row) in tilted.iter_mut().enumerate() {
         row.2 += 1e-3 * (1.0 + 0.3 * i as f64);

@@ -117,7 +117,7 @@ fn obstacles_and_clearance_count() {
     let free = Arm::new(&robot, base, tip).unwrap();
     let q = [0.3, 0.4, 0.2, -1.6, 0.1, 1.9, 0.5];
     let goal = free.base_from_tool(&q).unwrap();
-    // The first world has a ball at the goal, the second one beside it.
+    // The first world has a ball at the goal, the second one next to it.
     let arms = [0.0, 0.4].map(|offset| {
         let at = goal.translation + Vector3::new(0.0, offset, 0.0);
         let mut world = World::new();

@@ -32,6 +32,7 @@ pub(super) fn collect_solutions(
     query: &Query<'_>,
 ) -> Termination {
     if !starts_near_limit(arm, query.start) && collect_complete_set(arm, workspace, query) {
+        // The result is never farther away than that of the attempt from the start.
         run_attempts(arm, workspace, query, 0, 1);
         rank_by_distance(arm, workspace);
         return Termination::Reached;

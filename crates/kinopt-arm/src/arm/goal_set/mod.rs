@@ -147,7 +147,7 @@ impl GoalSet {
 
 type SolvePiece<'a> = dyn Fn(GoalPiece<'_>) -> Result<(), QueryError> + Sync + 'a;
 
-/// Some goals of one arm, and their results.
+/// Some goals of one arm, and their results, which begin as those of goals that are not searched for.
 struct GoalPiece<'a> {
     arm: &'a Arm,
     start: &'a [f64],
@@ -179,8 +179,6 @@ impl GoalPiece<'_> {
         let mut found_q = vec![0.0; n * targets.len()];
         let mut found = vec![PoseOutcome::default(); targets.len()];
         arm.solve_batch_into(&targets, &starts, &mut found_q, &mut found)?;
-        outcomes.fill(GoalOutcome::OUT_OF_REACH);
-        q.fill(f64::NAN);
         let mut cost = CostOf::new(arm, start, criterion)?;
         for ((&goal, outcome), found_q) in searched.iter().zip(&found).zip(found_q.chunks(n)) {
             q[goal * n..(goal + 1) * n].copy_from_slice(found_q);

@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn box_keeps_every_configuration_that_reaches_the_target() {
+    fn box_keeps_configurations_that_reach_the_target() {
         let mut narrower = 0;
         for case in 0..CHAINS {
             let mut sampler = Sampler(RandomStream::new(5, case));
