@@ -48,6 +48,12 @@ impl Angle {
         }
     }
 
+    /// True if the angles differ by at most a small `distance` in radians.
+    pub(super) fn is_within(self, distance: f64, other: Self) -> bool {
+        let (cos, sin) = (self.cos - other.cos, self.sin - other.sin);
+        cos * cos + sin * sin <= distance * distance
+    }
+
     pub(super) fn negative(self) -> Self {
         Self {
             cos: self.cos,

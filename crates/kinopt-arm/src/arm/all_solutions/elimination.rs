@@ -57,12 +57,21 @@ impl Numbering {
 }
 
 /// Conditioning of one elimination.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Conditioning {
     /// Deviation of the determinant's samples from a polynomial of degree 8, relative to the largest.
     pub(super) deviation: f64,
+    simple_roots: [Angle; 2 * DEGREE],
+    simple_count: usize,
     /// Number of roots that are not simple: double roots, and arcs on which the determinant is below its rounding.
     pub(super) other_roots: usize,
+}
+
+impl Conditioning {
+    /// Simple roots of the determinant: values of the joint [`third`](Elimination::third).
+    pub(super) fn simple_roots(&self) -> &[Angle] {
+        &self.simple_roots[..self.simple_count]
+    }
 }
 
 /// Solver by elimination, for one numbering.
@@ -194,7 +203,16 @@ impl Elimination {
         rows
     }
 
-    /// Joints 3, 4 and 5 of the loop, as joints of the chain.
+    /// Value of joint 3 of the loop in a configuration of the chain.
+    pub(super) fn third(&self, q: &[Angle; 6]) -> Angle {
+        let [third, ..] = self.left_joints();
+        match self.numbering.reversed {
+            false => q[third],
+            true => q[5 - third],
+        }
+    }
+
+    /// Joints 3, 4 and 5 of the loop, as joints of the numbered chain.
     fn left_joints(&self) -> [usize; 3] {
         let sixth = self.numbering.sixth;
         [3, 4, 5].map(|i| (sixth + i) % 6)
@@ -279,19 +297,28 @@ impl Elimination {
         let (determinant, deviation) = self.determinant(&equations);
         let mut conditioning = Conditioning {
             deviation,
-            ..Conditioning::default()
+            simple_roots: [Angle::ZERO; 2 * DEGREE],
+            simple_count: 0,
+            other_roots: 0,
         };
-        self.determinant_roots.visit(&determinant, |root| {
-            conditioning.other_roots += usize::from(!root.is_simple);
-            let max_residual = match root.is_simple {
-                true => MAX_RESIDUAL,
-                false => MAX_DOUBLE_RESIDUAL,
-            };
-            let equations = self.equations_at(&equations, root.angle);
-            self.each_pair(&equations, max_residual, |q4, q5| {
-                self.complete(&inverse, [root.angle, q4, q5], found);
+        self.determinant_roots
+            .visit(&determinant, deviation, |root| {
+                match conditioning.simple_roots.get_mut(conditioning.simple_count) {
+                    Some(simple) if root.is_simple => {
+                        *simple = root.angle;
+                        conditioning.simple_count += 1;
+                    }
+                    _ => conditioning.other_roots += 1,
+                }
+                let max_residual = match root.is_simple {
+                    true => MAX_RESIDUAL,
+                    false => MAX_DOUBLE_RESIDUAL,
+                };
+                let equations = self.equations_at(&equations, root.angle);
+                self.each_pair(&equations, max_residual, |q4, q5| {
+                    self.complete(&inverse, [root.angle, q4, q5], found);
+                });
             });
-        });
         conditioning
     }
 
@@ -346,7 +373,7 @@ impl Elimination {
             let [a, b, c] = combined.map(|row| Vector3::from(at(&row, q4)));
             a.dot(b.cross(c))
         });
-        self.fourth_roots.visit(&fourth, |root| {
+        self.fourth_roots.visit(&fourth, 0.0, |root| {
             // The null vector of the equations: the smallest eigenvector of their squares.
             let mut squares = [[0.0; 3]; 3];
             for equation in equations {
@@ -386,11 +413,7 @@ impl Elimination {
             false => displacement.inverse(),
             true => *displacement,
         };
-        let [third, ..] = self.left_joints();
-        let q3 = match self.numbering.reversed {
-            false => q[third],
-            true => q[5 - third],
-        };
+        let q3 = self.third(q);
         let equations = self.equations(&inverse);
         let (determinant, deviation) = self.determinant(&equations);
         let noise = determinant.at(q3).abs() + deviation * determinant.size();

@@ -144,7 +144,7 @@ impl PositionSolver {
                     v1 * v1 + v2 * v2 - square * (sin * length) * (sin * length)
                 };
                 let (quartic, _) = Trigonometric::fit(2, 0, f);
-                self.quartic.visit(&quartic, |root| {
+                self.quartic.visit(&quartic, 0.0, |root| {
                     let q3 = root.angle;
                     let u = constant + across * q3.cos + around * q3.sin;
                     let (v1, v2, _) = v(q3);

@@ -28,6 +28,8 @@ const VALLEY: f64 = 0.1;
 const MAX_CANDIDATE_ERROR: f64 = 0.3;
 /// Distances of the candidates next to a nearly singular root, radians.
 const TWIN_DISTANCES: [f64; 4] = [-0.1, -0.01, 0.01, 0.1];
+/// Largest difference of a simple root of the polynomial from the joint of its solution, radians.
+const ROOT_DISTANCE: f64 = 0.01;
 /// Number of numberings of an arm without a closed form.
 const NUMBERINGS: usize = 4;
 /// Sizes of the perturbation among which an arm chooses, lengths of the arm and radians.
@@ -215,9 +217,14 @@ impl SixRevolute {
                     set.deviation = conditioning.deviation;
                     // Solutions of a regular pose are even in number, as the polynomial's degree is.
                     let is_even = set.roots.len().is_multiple_of(2);
+                    let has_solution = |root: &Angle| {
+                        let mut solutions = set.roots.iter();
+                        solutions.any(|q| elimination.third(q).is_within(ROOT_DISTANCE, *root))
+                    };
+                    let explains_roots = conditioning.simple_roots().iter().all(has_solution);
                     let is_clear = dropped == 0 && conditioning.other_roots == 0;
                     let is_confirmed = index > 0 && set.roots.len() == known;
-                    if is_even && (is_clear || is_confirmed) {
+                    if is_even && explains_roots && (is_clear || is_confirmed) {
                         set.complete = true;
                         break;
                     }
@@ -344,10 +351,7 @@ fn reversed(axes: &[Screw; 6]) -> [Screw; 6] {
 
 /// True if all angles of two configurations differ by at most `distance` radians.
 fn is_closer(a: &[Angle; 6], b: &[Angle; 6], distance: f64) -> bool {
-    a.iter().zip(b).all(|(a, b)| {
-        let (cos, sin) = (a.cos - b.cos, a.sin - b.sin);
-        cos * cos + sin * sin <= distance * distance
-    })
+    a.iter().zip(b).all(|(a, b)| a.is_within(distance, *b))
 }
 
 /// The closed form of an arm, if it has a spherical wrist or three parallel axes.

@@ -115,7 +115,7 @@ impl ThreeParallel {
             let (x, y) = right(q1);
             x * x + y * y - determinant * determinant
         });
-        self.quartic.visit(&quartic, |root| {
+        self.quartic.visit(&quartic, 0.0, |root| {
             let (x, y) = right(root.angle);
             let sign = determinant.signum();
             let q5 = Angle::of_point(x * sign, y * sign);

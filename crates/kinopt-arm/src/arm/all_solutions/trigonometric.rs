@@ -6,7 +6,7 @@
 
 use super::angle::Angle;
 
-/// Coefficient, relative to the sum of all, below which a sign is unknown.
+/// Coefficient, relative to the sum of all, below which a sign is unknown, if the polynomial is exact.
 const NOISE: f64 = 1e-13;
 /// Halvings after which an arc whose coefficients are all noise counts as a root.
 const MIN_HALVINGS: u32 = 7;
@@ -15,7 +15,9 @@ const MAX_HALVINGS: u32 = 20;
 /// Largest number of arcs that wait: the nearer one is halved first, and the farther of each halving waits.
 const MAX_ARCS: usize = MAX_HALVINGS as usize + 2;
 /// Largest number of steps to a bracketed root.
-const MAX_STEPS: usize = 40;
+const MAX_STEPS: usize = 60;
+/// Number of steps after which every second one halves the bracket: slopes of very different sizes need it.
+const BISECTION_AFTER: usize = 10;
 /// Number of bisections to an extremum.
 const EXTREMUM_STEPS: usize = 20;
 /// Width of a bracket that needs no further step, as a fraction of its arc.
@@ -163,17 +165,20 @@ impl Trigonometric {
         Some(low)
     }
 
-    /// The root between the ends of an arc, by the Illinois method. `at` gives the angle of a half angle.
+    /// The root between the ends of an arc, by the Illinois method with bisection. `at` gives the angle of a half angle.
     fn bracketed(&self, [a, b]: [(f64, f64); 2], at: impl Fn((f64, f64)) -> Angle) -> Angle {
         let point = |t: f64| at((a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)));
         let (mut low, mut high) = (0.0, 1.0);
         let (mut f_low, mut f_high) = (self.at(at(a)), self.at(at(b)));
         let mut moved_high = None;
-        for _ in 0..MAX_STEPS {
+        for step in 0..MAX_STEPS {
             if high - low < NARROW || f_low * f_high >= 0.0 {
                 break;
             }
-            let t = (low * f_high - high * f_low) / (f_high - f_low);
+            let t = match step > BISECTION_AFTER && step % 2 == 0 {
+                true => 0.5 * (low + high),
+                false => (low * f_high - high * f_low) / (f_high - f_low),
+            };
             let f = self.at(point(t));
             if f == 0.0 || (t - low).min(high - t) < 0.1 * NARROW {
                 return point(t);
@@ -241,10 +246,15 @@ impl RootFinder {
     }
 
     /// Visits the real roots. Close roots that are not separated are visited as a root that is not simple, where the
-    /// polynomial is smallest.
-    pub(super) fn visit(&self, f: &Trigonometric, mut visit: impl FnMut(AngleRoot)) {
+    /// polynomial is smallest. `deviation` is the error of the coefficients, relative to the polynomial's size.
+    pub(super) fn visit(
+        &self,
+        f: &Trigonometric,
+        deviation: f64,
+        mut visit: impl FnMut(AngleRoot),
+    ) {
         let last = 2 * self.degree;
-        let noise = NOISE * f.size();
+        let noise = deviation.max(NOISE) * f.size();
         let mut arcs = [BernsteinArc {
             coefficients: [0.0; MAX_COEFFICIENTS],
             ends: [(1.0, 0.0), (0.0, 1.0)],
@@ -330,25 +340,65 @@ enum Variations {
     Unknown,
 }
 
+/// Counts the variations that are certain. One coefficient of unknown sign between opposite signs changes nothing; two
+/// may hide a pair of variations.
 fn variations(coefficients: &[f64], noise: f64) -> Variations {
-    let (mut count, mut last, mut unknown) = (0, 0.0, 0);
+    let (mut count, mut last, mut since_last) = (0, 0.0, 0);
+    let mut hidden = 0;
     for &value in coefficients {
         if value.abs() <= noise {
-            unknown += 1;
+            since_last += 1;
             continue;
         }
-        if last * value < 0.0 {
-            count += 1;
-        }
-        last = value;
+        let varies = last * value < 0.0;
+        count += usize::from(varies);
+        let allowed = usize::from(varies);
+        hidden += since_last.max(allowed) - allowed;
+        (last, since_last) = (value, 0);
     }
-    let is_known = |value: Option<&f64>| value.is_some_and(|value| value.abs() > noise);
-    match (count, unknown) {
-        (_, unknown) if unknown == coefficients.len() => Variations::Noise,
+    hidden += since_last;
+    match (count, hidden) {
+        _ if last == 0.0 => Variations::Noise,
         (0, 0) => Variations::None,
-        (1, _) if is_known(coefficients.first()) && is_known(coefficients.last()) => {
-            Variations::One
-        }
+        (1, 0) => Variations::One,
         _ => Variations::Unknown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Angle, RootFinder, Trigonometric};
+    use kinopt_kinematics::random::RandomStream;
+    use std::f64::consts::TAU;
+
+    const DEGREE: usize = 8;
+
+    #[test]
+    fn close_roots_are_visited_under_noise() {
+        let finder = RootFinder::new(DEGREE, 8);
+        for case in 0..500 {
+            let mut random = RandomStream::new(8, case);
+            let mut roots = [0.0; 2 * DEGREE];
+            roots
+                .iter_mut()
+                .for_each(|root| *root = TAU * random.unit());
+            // Two and three roots within 0.05 rad.
+            for (root, of) in [(1, 0), (3, 2), (4, 2)] {
+                roots[root] = roots[of] + 0.05 * random.unit();
+            }
+            let value = |angle: Angle| {
+                let factors = roots.map(|root| (0.5 * (angle.radians() - root)).sin());
+                factors.iter().product()
+            };
+            let (polynomial, _) = Trigonometric::fit(DEGREE, 0, value);
+            for deviation in [0.0, 1e-9, 1e-7] {
+                let mut visited = Vec::new();
+                finder.visit(&polynomial, deviation, |root| visited.push(root.angle));
+                for root in roots.map(Angle::of_radians) {
+                    let is_visited = visited.iter().any(|angle| angle.is_within(0.02, root));
+                    assert!(is_visited, "case {case}, {deviation:e}");
+                }
+            }
+        }
     }
 }

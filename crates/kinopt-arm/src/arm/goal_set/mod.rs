@@ -7,14 +7,10 @@ pub use criterion::Criterion;
 pub use outcome::{GoalOutcome, GoalSetSolution, GoalStatus};
 
 use super::arm::Arm;
-use super::reachability::BoxSearchEnd;
 use super::{ArmError, PoseOutcome, QueryError};
 use criterion::CostOf;
 use kinopt_kinematics::spatial::Placement;
 
-/// Boxes of a proof that is tried before a search. Balls exclude many targets by the first box, which takes less time
-/// than a failing search by two orders of magnitude.
-const BOXES: usize = 1;
 /// Goals of one arm that one thread solves at a time.
 const GOALS_AT_A_TIME: usize = 128;
 
@@ -74,7 +70,7 @@ impl GoalSet {
     /// Solves every goal with every arm. `starts` has one configuration for each arm.
     ///
     /// Goals are `base_from_tool` of each arm. Configurations are those of [`Arm::solve_batch`], except that a goal is
-    /// not searched for if one box of a [proof](Arm::reachability) shows that it is out of reach.
+    /// not searched for if a first bound shows that it is out of reach. [`Arm::reachability`] gives proofs for more.
     ///
     /// # Errors
     /// Returns the errors of [`Arm::solve`], an error for another number of starts than arms, and for a criterion of
@@ -167,10 +163,8 @@ impl GoalPiece<'_> {
         } = self;
         let n = arm.joint_count();
         let search = arm.box_search();
-        let is_excluded = |goal: &Placement<f64>| {
-            let end = search.as_ref().map(|search| search.run(goal, BOXES));
-            matches!(end, Some(BoxSearchEnd::Empty { .. }))
-        };
+        let is_excluded =
+            |goal: &Placement<f64>| search.as_ref().is_some_and(|search| search.is_far(goal));
         let searched: Vec<usize> = (0..goals.len())
             .filter(|&goal| !is_excluded(&goals[goal]))
             .collect();

@@ -52,6 +52,12 @@ pub(in crate::arm) struct BoxSearch {
 }
 
 impl BoxSearch {
+    /// Returns true if balls show that a target is out of reach of all configurations, without any division into boxes.
+    pub(in crate::arm) fn is_far(&self, base_from_tool: &Placement<f64>) -> bool {
+        let base_from_last_joint = *base_from_tool * self.chain.last_joint_from_tool.inverse();
+        self.balls_exclude(&self.chain.limits, &base_from_last_joint)
+    }
+
     /// Divides the limits into boxes, depth first, until all are excluded.
     pub(in crate::arm) fn run(
         &self,
@@ -92,6 +98,18 @@ impl BoxSearch {
         BoxSearchEnd::Empty { boxes }
     }
 
+    fn balls_exclude(&self, joint_box: &JointBox, base_from_last_joint: &Placement<f64>) -> bool {
+        let tolerance = self.tolerance_at(base_from_last_joint);
+        let mut probes = self.probes.iter();
+        probes.any(|probe| probe.excludes(&self.chain, joint_box, base_from_last_joint, tolerance))
+    }
+
+    /// Distance of two points that counts as none, with an allowance for rounding, metres.
+    fn tolerance_at(&self, base_from_last_joint: &Placement<f64>) -> f64 {
+        let distance = base_from_last_joint.translation.norm();
+        self.tolerance + ROUNDING * (self.extent + distance)
+    }
+
     /// Narrows a box to the part that may contain solutions, with the joint that makes the bounds widest, if the bounds
     /// can still improve. Returns `None` if the box is excluded.
     fn narrow(
@@ -100,16 +118,12 @@ impl BoxSearch {
         base_from_last_joint: &Placement<f64>,
     ) -> Option<(JointBox, Option<usize>)> {
         let joints = self.chain.joints.len();
-        let distance = base_from_last_joint.translation.norm();
-        let tolerance = self.tolerance + ROUNDING * (self.extent + distance);
+        let tolerance = self.tolerance_at(base_from_last_joint);
         let is_large = joint_box
             .half_width
             .iter()
             .any(|width| *width > BALLS_ABOVE);
-        let by_ball = |probe: &AxisPoint| {
-            probe.excludes(&self.chain, joint_box, base_from_last_joint, tolerance)
-        };
-        if is_large && self.probes.iter().any(by_ball) {
+        if is_large && self.balls_exclude(joint_box, base_from_last_joint) {
             return None;
         }
         let (chain, cut) = (&self.chain, self.cut);
