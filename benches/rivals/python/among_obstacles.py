@@ -135,12 +135,13 @@ def rejection(solve, check, target, start, others):
     return q if q is not None and check(q) else None
 
 
-def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
-    """RoboPlan's inverse kinematics with its collision checks, among the solids of a problem."""
+def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str, **options):
+    """RoboPlan's inverse kinematics among the solids of a problem, for 1 s and with 100 restarts unless `options` differ."""
     from roboplan.core import (Box, CartesianConfiguration, Cylinder, JointConfiguration, Scene, Sphere,
                                loadUrdfSceneDescription)
     from roboplan.simple_ik import SimpleIk, SimpleIkOptions
 
+    options = {"max_restarts": 100, "max_time": 1.0} | options
     text = srdf.read_text()
     joints = "".join(f'<joint name="{name}"/>' for name in group)
     at = text.index(">", text.index("<robot")) + 1
@@ -159,7 +160,7 @@ def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
                 scene.addSphereGeometry(name, "universe", Sphere(size[0]), pose, grey)
         solids = [f"solid {index}" for index in range(len(problem.solids))]
         scene.setCollisions([(a, b) for a in solids for b in solids if a < b], False)
-        solver = SimpleIk(scene, SimpleIkOptions(group_name="asked", max_restarts=100, max_time=1.0))
+        solver = SimpleIk(scene, SimpleIkOptions(group_name="asked", **options))
 
         def solve(target, start):
             goal = CartesianConfiguration(base, tip, np.asfortranarray(target))

@@ -61,7 +61,10 @@ def by_pink(judge: Judge, limits, random):
         while time.perf_counter() - begin < TIME_LIMIT_S:
             configuration = pink.Configuration(model, data, q)
             for _ in range(100):
-                velocity = pink.solve_ik(configuration, [task], 1.0, solver="daqp", limits=bounds, safety_break=False)
+                try:
+                    velocity = pink.solve_ik(configuration, [task], 1.0, solver="daqp", limits=bounds, safety_break=False)
+                except pink.exceptions.NoSolutionFound:
+                    break
                 configuration.integrate_inplace(velocity, 1.0)
                 error = task.compute_error(configuration)
                 if max(np.linalg.norm(error[:3]), np.linalg.norm(error[3:])) < LOOSE:
