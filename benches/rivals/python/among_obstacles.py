@@ -223,7 +223,7 @@ def main() -> None:
     parser.add_argument("robot", choices=ROBOTS)
     parser.add_argument("--per-kind", type=int, default=100)
     parser.add_argument("--slow", type=int, default=10, help="problems of each kind for slow solvers")
-    parser.add_argument("--kinds", nargs="+", help="folders of problems, such as bookshelf_thin; all by default")
+    parser.add_argument("--kinds", nargs="+", help="folders of problems, such as bookshelf_thin_panda; all by default")
     parser.add_argument("--no-rust", action="store_true", help="leave out the rows that a compiled Rust program measures")
     parser.add_argument("--tip")
     parser.add_argument("--rounds", type=int, default=5)
