@@ -3,8 +3,9 @@
 Usage: ``python failures.py [--poses N] [--slow N]``, in the root of the repository. The environment needs kinopt's wheel and
 requirements-failures.txt.
 
-The poses are random ones that ``Arm.reachability`` proves unreachable: uniform rotations, and positions in a ball of the arm's reach.
-Starts are random configurations. Every solver has its defaults, RoboPlan without collision checks. pink has no such loop: a
+Unreachable poses are random ones with a proof of ``Arm.reachability``: uniform rotations, and positions in a ball of the arm's
+reach. Poses in an obstacle are reachable, but a box of 0.3 m encloses the flange; only solvers that check collisions take part.
+Starts are random configurations. Every solver has its defaults, RoboPlan without collision checks for unreachable poses. pink has no such loop: a
 loop of at most 100 full steps ends at a step shorter than 1e-6 rad, or where DAQP fails.
 
 Reported successes are results that a solver calls a solution. Nearest errors are those of the returned or last configurations
@@ -36,8 +37,14 @@ BASE, TIP = "base", "flange"
 MAX_BOXES = 300_000
 
 
-class NoObstacles:
-    solids: list = []
+BOX_M = 0.3
+
+
+class Scene:
+    """Solids of a problem of among_obstacles.py."""
+
+    def __init__(self, solids: list) -> None:
+        self.solids = solids
 
 
 class Judge:
@@ -91,7 +98,7 @@ def contenders(urdf: str, arm, judge: Judge, folder: Path):
     srdf = folder / "empty.srdf"
     srdf.write_text(f'<robot name="{arm.robot.name}"></robot>')
     defaults = {"max_restarts": 2, "max_time": 0.005, "check_collisions": False}
-    roboplan = roboplan_solver(Path(urdf), srdf, arm.joint_names, TIP, BASE, **defaults)(NoObstacles)
+    roboplan = roboplan_solver(Path(urdf), srdf, arm.joint_names, TIP, BASE, **defaults)(Scene([]))
 
     def kinopt_call(with_limit):
         def solve(target, start):
@@ -135,13 +142,33 @@ def contenders(urdf: str, arm, judge: Judge, folder: Path):
     return rows
 
 
+def in_obstacle(urdf: str, arm, targets, folder: Path):
+    """Calls by name, one for each target: kinopt and RoboPlan with a box around the flange."""
+    shapes = arm.robot.collision_model().with_pairs_sampled()
+    srdf = folder / "pairs.srdf"
+    srdf.write_text(shapes.to_srdf())
+    defaults = {"max_restarts": 2, "max_time": 0.005}
+    among = roboplan_solver(Path(urdf), srdf, arm.joint_names, TIP, BASE, **defaults)
+    ours, theirs = [], []
+    for target in targets:
+        box = kinopt.placement(target[:3, 3])
+        world = kinopt.World()
+        world.add_box("box", [BOX_M] * 3, box)
+        ours.append(kinopt.Arm(arm.robot, BASE, TIP, world=world, collision_model=shapes))
+        theirs.append(among(Scene([("box", [BOX_M] * 3, np.asarray(box))])))
+    return {
+        "kinopt": [lambda t, s, arm=arm: arm.solve(t, s).reached for arm in ours],
+        "RoboPlan, SimpleIk": [lambda t, s, solve=solve: solve(t, s) is not None for solve in theirs],
+    }
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--poses", type=int, default=200)
     parser.add_argument("--slow", type=int, default=30, help="poses for the rivals")
     chosen = parser.parse_args()
-    print("| arm | solver | poses | reported successes | nearest error | median µs | p99 µs | largest µs |")
-    print("|---|---|---:|---:|---:|---:|---:|---:|")
+    print("| arm | poses | solver | number | reported successes | nearest error | median µs | p99 µs | largest µs |")
+    print("|---|---|---|---:|---:|---:|---:|---:|---:|")
     for name, file in ARMS.items():
         urdf = f"models/{file}.urdf"
         arm = kinopt.Arm(kinopt.Robot.from_urdf(urdf), BASE, TIP)
@@ -167,7 +194,18 @@ def main() -> None:
                 if q is not None:
                     errors.append(judge.error(q, target))
             error = f"{np.median(errors):.3g}" if errors else "–"
-            print(f"| {name} | {solver} | {len(times)} | {successes} | {error} | {np.median(times):.0f} | "
+            print(f"| {name} | unreachable | {solver} | {len(times)} | {successes} | {error} | {np.median(times):.0f} | "
+                  f"{np.percentile(times, 99):.0f} | {np.max(times):.0f} |", flush=True)
+        targets = arm.base_from_tool(rng.uniform(arm.lower, arm.upper, (chosen.slow, len(arm.joint_names))))
+        with tempfile.TemporaryDirectory() as folder:
+            calls = in_obstacle(urdf, arm, targets, Path(folder))
+        for solver, solves in calls.items():
+            times, successes = [], 0
+            for solve, target, start in zip(solves, targets, starts):
+                begin = time.perf_counter()
+                successes += solve(target, start)
+                times.append(1e6 * (time.perf_counter() - begin))
+            print(f"| {name} | in an obstacle | {solver} | {len(times)} | {successes} | – | {np.median(times):.0f} | "
                   f"{np.percentile(times, 99):.0f} | {np.max(times):.0f} |", flush=True)
 
 
