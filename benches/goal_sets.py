@@ -17,10 +17,12 @@ ROUNDS = 5
 
 
 def misses(arm, found, goals):
-    """Number of reached goals whose configuration is farther than 1.001e-6 m from the goal's position."""
+    """Number of reached goals whose configuration misses by more than 1.001e-6 m or rad."""
     reached = found.reached[0]
-    at = arm.base_from_tool(found.q[0][reached])[:, :3, 3]
-    return int((np.linalg.norm(at - goals[reached][:, :3, 3], axis=1) > 1.001e-6).sum())
+    away = arm.base_from_tool(found.q[0][reached]) - goals[reached]
+    distance = np.linalg.norm(away[:, :3, 3], axis=1)
+    angle = np.linalg.norm(away[:, :3, :3], axis=(1, 2)) / np.sqrt(2)
+    return int((np.maximum(distance, angle) > 1.001e-6).sum())
 
 
 def main():

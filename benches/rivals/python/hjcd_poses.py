@@ -1,7 +1,8 @@
 """Poses with the settings of HJCD-IK's tables I and III, by kinopt on one core, judged by Pinocchio.
 
 Usage: ``python hjcd_poses.py FOLDER [--rounds N]``. The environment needs kinopt's wheel and requirements-hjcd.txt. FOLDER has
-the robots of a checkout of A2R-Lab/HJCD-IK (``include/test_urdf``): Panda, Fetch, and Pandas of 12 and 24 joints (the file of 18 joints is not well-formed XML).
+the robots of a checkout of A2R-Lab/HJCD-IK (``include/test_urdf``): Panda, Fetch, and Pandas of 12 and 24 joints. That of 18 joints
+is not well-formed XML.
 
 As in the tables of Yasutake, Liu, Kingston and Plancher (arXiv 2510.07514, IROS 2026): 100 targets of configurations from a Halton
 sequence within the limits, one target a call, mean times and mean errors of the returned configurations. kinopt's counterpart of
