@@ -1,8 +1,9 @@
 """Poses among obstacles, one at a time on one core: kinopt with and without a world, rejection by VAMP's check,
 OptIK and RoboPlan.
 
-Usage: ``python among_obstacles.py FOLDER ROBOT [--per-kind N] [--slow N]``, in the root of the repository. The
-environment needs kinopt's wheel and requirements-obstacles.txt; VAMP takes part if it is installed.
+Usage: ``python among_obstacles.py FOLDER ROBOT [--per-kind N] [--slow N] [--kinds KIND...] [--no-rust]``, in the root of the
+repository. The environment needs kinopt's wheel and requirements-obstacles.txt; VAMP takes part if it is installed. Rust's
+rows need cargo.
 
 FOLDER has VAMP's resources of one robot: its ``_spherized.urdf``, ``.urdf`` with meshes, ``.srdf``, and
 MotionBenchMaker's problems in ``problems/``. A target is the pose of a problem's goal, so that a solution exists.
@@ -135,12 +136,13 @@ def rejection(solve, check, target, start, others):
     return q if q is not None and check(q) else None
 
 
-def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
-    """RoboPlan's inverse kinematics with its collision checks, among the solids of a problem."""
+def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str, **options):
+    """RoboPlan's inverse kinematics among the solids of a problem, for 1 s and with 100 restarts unless `options` differ."""
     from roboplan.core import (Box, CartesianConfiguration, Cylinder, JointConfiguration, Scene, Sphere,
                                loadUrdfSceneDescription)
     from roboplan.simple_ik import SimpleIk, SimpleIkOptions
 
+    options = {"max_restarts": 100, "max_time": 1.0} | options
     text = srdf.read_text()
     joints = "".join(f'<joint name="{name}"/>' for name in group)
     at = text.index(">", text.index("<robot")) + 1
@@ -159,7 +161,7 @@ def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
                 scene.addSphereGeometry(name, "universe", Sphere(size[0]), pose, grey)
         solids = [f"solid {index}" for index in range(len(problem.solids))]
         scene.setCollisions([(a, b) for a in solids for b in solids if a < b], False)
-        solver = SimpleIk(scene, SimpleIkOptions(group_name="asked", max_restarts=100, max_time=1.0))
+        solver = SimpleIk(scene, SimpleIkOptions(group_name="asked", **options))
 
         def solve(target, start):
             goal = CartesianConfiguration(base, tip, np.asfortranarray(target))
@@ -221,6 +223,8 @@ def main() -> None:
     parser.add_argument("robot", choices=ROBOTS)
     parser.add_argument("--per-kind", type=int, default=100)
     parser.add_argument("--slow", type=int, default=10, help="problems of each kind for slow solvers")
+    parser.add_argument("--kinds", nargs="+", help="folders of problems, such as bookshelf_thin_panda; all by default")
+    parser.add_argument("--no-rust", action="store_true", help="leave out the rows that a compiled Rust program measures")
     parser.add_argument("--tip")
     parser.add_argument("--rounds", type=int, default=5)
     wanted = parser.parse_args()
@@ -257,7 +261,7 @@ def main() -> None:
     except ImportError:
         has_vamp = False
 
-    folders = sorted((folder / "problems").iterdir())
+    folders = [kind for kind in sorted((folder / "problems").iterdir()) if not wanted.kinds or kind.name in wanted.kinds]
     requests = [request for kind in folders for request in sorted(kind.glob("request*.yaml"))[:wanted.per_kind]]
     problems, targets, left_out = [], [], 0
     goals = [0, 0]
@@ -275,7 +279,7 @@ def main() -> None:
 
     random = np.random.default_rng(1)
     starts = [np.array([problem.start[name] for name in names]) for problem in problems]
-    native = rust({
+    native = {"answers": [], "batches": []} if wanted.no_rust else rust({
         "robot": str(urdf), "srdf": str(srdf), "base": base, "tip": tip, "rounds": wanted.rounds,
         "questions": [
             {"world": str(problem.scene), "target": target.ravel().tolist(), "start": start.tolist(),
@@ -283,7 +287,7 @@ def main() -> None:
             for problem, target, start in zip(problems, targets, starts)
         ],
     })
-    rows = {name: Row(name) for name in ("Rust, no world", "Rust, its world")}
+    rows = {} if wanted.no_rust else {name: Row(name) for name in ("Rust, no world", "Rust, its world")}
     for answer, problem, target in zip(native["answers"], problems, targets):
         for name, key, q in (("Rust, no world", "plain", "plain_q"), ("Rust, its world", "clear", "q")):
             told = answer[q] if answer["reached" if key == "clear" else "plain_reached"] else None
@@ -344,7 +348,7 @@ def main() -> None:
 
     if has_vamp:
         print(f"{by_vamp} of the goals are free by VAMP's check")
-    ours = np.median(rows["Rust, no world"].times)
+    ours = np.nan if wanted.no_rust else np.median(rows["Rust, no world"].times)
     theirs = np.median(rows["kinopt, no world"].times)
     print("| solver | problems | reached % | free by spheres % | free by meshes % | median us | p99 us "
           "| median to plain | p99 to plain |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|")
