@@ -68,13 +68,14 @@ Exit codes, of every subcommand:
   0  done; a target that is not reached is a result
   1  failed, with a one-line reason; for check also a collision
   2  wrong usage: unknown, malformed or conflicting options
-  3  target not reached, in solve, body, batch, track, servo and path with --fail-on-miss
+  3  target not reached, in solve, body, batch, track, servo, reach and path with --fail-on-miss
 
 Examples:
   kinopt info robot.urdf
   kinopt solve robot.urdf --tip tool --target 0.4,0.1,0.5,0,1,0,0
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
   kinopt batch robot.urdf --tip tool --targets poses.json --json
+  kinopt reach robot.urdf --tip tool --targets grasps.json --criterion manipulability
   kinopt path robot.urdf weld.csv --tip tool --out joints.csv
   kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt check robot.urdf --q-file solved.json --world kitchen.json --margin 0.01
@@ -105,6 +106,7 @@ enum Subcommands {
     Batch(Box<solve::many::batch::Arguments>),
     Track(Box<solve::many::track::Arguments>),
     Servo(Box<solve::many::servo_arguments::Arguments>),
+    Reach(Box<solve::reach::Arguments>),
     Path(Box<path::Arguments>),
     Fk(fk::Arguments),
     Info(info::Arguments),
@@ -177,6 +179,7 @@ fn main() -> ExitCode {
         Subcommands::Batch(arguments) => solve::many::batch::run(arguments, json),
         Subcommands::Track(arguments) => solve::many::track::run(arguments, json),
         Subcommands::Servo(arguments) => solve::many::servo_arguments::run(arguments, json),
+        Subcommands::Reach(arguments) => solve::reach::run(arguments, json),
         Subcommands::Path(arguments) => path::run(arguments, json),
         Subcommands::Spheres(arguments) => spheres::run(arguments, json),
         Subcommands::Calibrate(arguments) => calibrate::run(arguments, json),

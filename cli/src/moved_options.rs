@@ -6,10 +6,10 @@ use serde_json::Value;
 const SCHEMA: &str = include_str!("problem.schema.json");
 
 /// Options with the subcommand that has them, or with the option that replaces them.
-const MOVED: [(&str, &str); 27] = [
-    ("--targets", "kinopt batch, track or servo"),
+const MOVED: [(&str, &str); 29] = [
+    ("--targets", "kinopt batch, track, servo or reach"),
     ("--batch", "kinopt batch --together"),
-    ("--threads", "kinopt batch"),
+    ("--threads", "kinopt batch or reach"),
     ("--track", "kinopt track"),
     ("--servo", "kinopt servo --rate HZ"),
     ("--velocity-limits", "kinopt servo"),
@@ -35,12 +35,14 @@ const MOVED: [(&str, &str); 27] = [
     ("--frame", "--tip"),
     ("--keep-clear", "--margin M"),
     ("--help-all", "--help"),
-    ("--target", "kinopt solve or body"),
+    ("--target", "kinopt solve, body or reach"),
     ("--search", "kinopt solve or batch"),
+    ("--criterion", "kinopt reach"),
+    ("--max-boxes", "kinopt reach"),
     ("--hold", "kinopt solve, body, batch or track"),
     (
         "--out",
-        "kinopt solve, body, path, animate, retarget or spheres",
+        "kinopt solve, body, reach, path, animate, retarget or spheres",
     ),
     ("--into", "kinopt solve, body or animate"),
 ];

@@ -106,6 +106,47 @@ test("several solutions differ", () => {
     }
 });
 
+test("reachability is a solution or a proof", () => {
+    const arm = pandaArm();
+    const q = [0.3, -0.4, 0.2, -2, 0.1, 1.6, 0.8];
+    const near = arm.reachability(arm.baseFromTool(q));
+    assert.ok(near.reachable && near.solution.reached && near.boxes === 0);
+    // The flange 0.8 m in front points back to the base.
+    const backwards = placement([0.8, 0, 0.3], { rpy: [0, -1.57, 0] });
+    const far = arm.reachability(backwards);
+    assert.ok(far.reachable === false && far.boxes > 1 && /boxes/.test(far.solution.explain()));
+    assert.equal(arm.reachability(backwards, undefined, 1).reachable, undefined);
+});
+
+test("goal sets rank tools and targets", () => {
+    const arm = pandaArm();
+    const draw = random(5);
+    const goals = Array.from({ length: 5 }, () => [...arm.baseFromTool(configuration(arm, draw))]);
+    goals.push([...placement([5, 0, 0])]);
+    const tools = [placement([0, 0, 0]), placement([0, 0, 0.1])].map((tool) => [...tool]);
+    const found = arm.solveGoals(goals.flat(), tools.flat(), "manipulability");
+    assert.deepEqual(found.status.map((row) => row.length), [6, 6]);
+    assert.deepEqual([found.status[0].slice(0, 5), found.status[1][5]], [Array(5).fill("reached"), "out of reach"]);
+    const costs = found.ranking.map(([tool, target]) => found.cost[tool][target]);
+    assert.ok(costs.length >= 5 && costs.every((cost, k) => k === 0 || costs[k - 1] <= cost));
+    const [tool, target] = found.ranking[0];
+    const q = found.q[tool].slice(7 * target, 7 * target + 7);
+    assert.ok(largestDifference([...arm.withTool(tools[tool]).baseFromTool(q)], goals[target]) < 2e-6);
+    assert.throws(() => arm.solveGoals(goals.flat(), undefined, "speed"), /speed.*manipulability/);
+});
+
+test("self-motions keep the tool at the target", () => {
+    const arm = pandaArm();
+    const target = arm.baseFromTool([0.3, -0.4, 0.2, -2, 0.1, 1.6, 0.8]);
+    const motions = arm.selfMotions(target);
+    assert.ok(motions.length > 0);
+    for (const { q } of motions) {
+        for (let k = 0; k < q.length; k += 70) {
+            assert.ok(largestDifference([...arm.baseFromTool(q.slice(k, k + 7))], [...target]) < 2e-6);
+        }
+    }
+});
+
 test("an arm avoids a box and reports collisions", () => {
     const robot = panda();
     const shapes = CollisionModel.ofRobot(robot);

@@ -18,6 +18,7 @@ use super::derivative::of_arm;
 use super::goals::Goals;
 use super::obstacles::keep_clear;
 use super::query::{Answer, Path, Query};
+use super::self_motion::SelfMotionCurve;
 use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -104,6 +105,10 @@ impl<'a> ArmBackend<'a> {
             idle: loaded.idle_coordinates(base.into_iter().chain([tip])),
             derives: problem.output.derivative,
         })
+    }
+
+    pub(super) fn arm(&self) -> &Arm {
+        &self.arm
     }
 
     /// Target of the tip, at the middle of the goal bounds.
@@ -206,6 +211,24 @@ impl QueryBackend for ArmBackend<'_> {
         self.arm.solve_into(self.target(query), q_arm, solution)?;
         let micros = microseconds(started);
         self.answer_of(query, solution.clone(), Some(micros))
+    }
+
+    fn self_motions(&self, query: &Query) -> Outcome<Option<Vec<SelfMotionCurve>>> {
+        if !self.finds_all {
+            return Ok(None);
+        }
+        let Some(motions) = self.arm.self_motions(self.target(query))? else {
+            return Ok(None);
+        };
+        let curves = motions.iter().map(|motion| {
+            let q = motion.q.chunks_exact(self.arm.joint_count());
+            let q = q.map(|q| self.configuration(query, q));
+            Ok(SelfMotionCurve {
+                closed: motion.closed,
+                q: q.collect::<Outcome<_>>()?,
+            })
+        });
+        Ok(Some(curves.collect::<Outcome<_>>()?))
     }
 
     fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path> {

@@ -6,6 +6,7 @@ use kinopt::solver::{Observer, Silent};
 use rayon::prelude::*;
 
 use super::query::{Answer, Path, Query};
+use super::self_motion::SelfMotionCurve;
 use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
@@ -22,6 +23,11 @@ pub(super) trait QueryBackend: Sync {
         query: &Query,
         observer: &mut dyn Observer,
     ) -> Outcome<Answer>;
+
+    /// Self-motions of a query, if all solutions are wanted and the backend is an arm of seven revolute joints.
+    fn self_motions(&self, _query: &Query) -> Outcome<Option<Vec<SelfMotionCurve>>> {
+        Ok(None)
+    }
 
     /// Solves queries as a path, each from the solution of the one before. Only the start of the first query counts.
     /// Calls `answered` after every step.

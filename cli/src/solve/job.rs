@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use kinopt::spatial::Placement;
 use kinopt_bindings::problem_file::ProblemSettings;
 
 use super::arguments::{BatchOptions, QueryArguments, ServoOptions};
@@ -13,6 +14,8 @@ use super::many;
 use super::obstacles;
 use super::out_file::{self, OutputFiles};
 use super::query::Query;
+use super::reach::decision;
+use super::reach::options::ReachOptions;
 use super::report::Report;
 use super::settings::moment;
 use crate::failure::{Failure, Outcome};
@@ -31,6 +34,8 @@ pub(super) enum Mode<'a> {
     Track(&'a Path),
     /// Targets of a file, one a control cycle.
     Servo(&'a Path, &'a ServoOptions),
+    /// Reachability of one target or those of a file, for several tools.
+    Reach(Option<&'a Path>, &'a ReachOptions, &'a [Placement<f64>]),
 }
 
 /// Query of a subcommand.
@@ -63,6 +68,7 @@ impl<'a> Job<'a> {
     fn targets_file(&self) -> Option<&'a Path> {
         match self.mode {
             Mode::One(_) => None,
+            Mode::Reach(file, ..) => file,
             Mode::Batch(file, _) | Mode::Track(file) | Mode::Servo(file, _) => Some(file),
         }
     }
@@ -86,6 +92,12 @@ impl<'a> Job<'a> {
             Mode::Servo(_, options) => {
                 let queries = goals.queries(loaded, &arm)?;
                 many::servo::run(self, loaded, &arm, (&queries, options), json)
+            }
+            Mode::Reach(_, options, tools) => {
+                let queries = goals.queries(loaded, &arm)?;
+                let decided = (queries.as_slice(), tools, options);
+                let missed = decision::run(loaded, &arm, decided, (self.degrees, json))?;
+                self.fail_on_misses(missed, queries.len())
             }
             _ => self.solve(loaded, &goals, &arm, json),
         }
@@ -122,7 +134,8 @@ impl<'a> Job<'a> {
             (None, None) => None,
         };
         let mut progress = Progress::new();
-        let answer = backend.answer(&mut B::Workspace::default(), query, &mut progress)?;
+        let mut answer = backend.answer(&mut B::Workspace::default(), query, &mut progress)?;
+        answer.self_motions = backend.self_motions(query)?;
         drop(progress);
         let mut notes = loaded.notes();
         notes.extend(written.as_ref().and_then(|written| written.note()));

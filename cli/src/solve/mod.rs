@@ -1,4 +1,4 @@
-//! From targets to configurations: `kinopt solve`, `body`, `batch`, `track` and `servo`.
+//! From targets to configurations: `kinopt solve`, `body`, `batch`, `track`, `servo` and `reach`.
 
 pub(crate) mod arguments;
 mod arm_backend;
@@ -21,7 +21,9 @@ pub(crate) mod one;
 mod out_file;
 mod pose_finder;
 mod query;
+pub(crate) mod reach;
 mod report;
+mod self_motion;
 mod settings;
 mod task_builder;
 mod task_name;

@@ -6,6 +6,7 @@ use kinopt::spatial::Placement;
 use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
+use super::self_motion::SelfMotionCurve;
 use crate::jump_document::JumpDocument;
 
 /// Joint displacement of a step above which the step is reported, in radians.
@@ -29,6 +30,8 @@ pub(super) struct Answer {
     pub(super) alternatives: Vec<Vec<f64>>,
     /// True if the solutions are a complete set; `None` for a search for one.
     pub(super) complete: Option<bool>,
+    /// Self-motions of the target, if all solutions of an arm with seven revolute joints are wanted.
+    pub(super) self_motions: Option<Vec<SelfMotionCurve>>,
     /// Solution of the solver; its `q` may have fewer joints.
     pub(super) solution: Solution,
     /// Solve time in microseconds; `None` for a target that was solved together with others.
@@ -74,6 +77,7 @@ impl Answer {
             q,
             alternatives: Vec::new(),
             complete: None,
+            self_motions: None,
             solution,
             micros,
             settled: None,

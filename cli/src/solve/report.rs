@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
 use super::query::{Answer, PoseOrigin, Settled};
+use super::self_motion::{self, SelfMotionCurve};
 use super::task_name::TaskName;
 use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
@@ -35,6 +36,9 @@ pub(super) struct Document<'a> {
     /// True if the solutions are a complete set.
     #[serde(skip_serializing_if = "Option::is_none")]
     complete: Option<bool>,
+    /// Curves of solutions of seven revolute joints, for one target.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_motions: Option<&'a [SelfMotionCurve]>,
     reached: bool,
     /// True if all required tasks are reached, whether in contact or not.
     goals_reached: bool,
@@ -157,6 +161,7 @@ impl<'a> Report<'a> {
             notes: Vec::new(),
             alternatives: &self.answer.alternatives,
             complete: self.answer.complete,
+            self_motions: self.answer.self_motions.as_deref(),
             reached: solution.reached,
             goals_reached: solution.goals_reached(),
             termination: solution.termination.name(),
@@ -206,6 +211,8 @@ impl<'a> Report<'a> {
         text.push('\n');
         text.push_str(&self.joint_table(degrees));
         text.push_str(&self.alternatives(degrees));
+        let curves = self.answer.self_motions.as_deref();
+        text.push_str(&curves.map_or_else(String::new, self_motion::text));
         let derivative = self.answer.derivative.as_ref();
         text.push_str(&derivative.map_or_else(String::new, TargetDerivatives::text));
         text

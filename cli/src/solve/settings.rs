@@ -133,15 +133,20 @@ impl Job<'_> {
         let with_derivative = match self.mode {
             Mode::One(_) => solve.max_move.is_none(),
             Mode::Batch(_, options) => solve.max_move.is_none() && !options.together,
-            Mode::Track(_) | Mode::Servo(..) => false,
+            Mode::Track(_) | Mode::Servo(..) | Mode::Reach(..) => false,
         };
         if self.problem.output.derivative && !with_derivative {
             return Err(usage!(
                 "`derivative` is for single solves without --max-move"
             ));
         }
-        if let Mode::One(_) = self.mode {
+        if let Mode::One(_) | Mode::Reach(None, ..) = self.mode {
             let body = &self.problem.body;
+            if goal.target.is_empty() && matches!(self.mode, Mode::Reach(..)) {
+                return Err(usage!(
+                    "no targets: give --target FRAME=x,y,z[,qw,qx,qy,qz] or --targets FILE"
+                ));
+            }
             let is_empty = goal.target.is_empty() && goal.ray.is_empty();
             return match is_empty && self.problem.tasks.is_empty() && !body.has_centre_of_mass() {
                 true => Err(usage!(
@@ -236,6 +241,7 @@ impl Job<'_> {
             ),
             ("`metres_per_radian`", solve.metres_per_radian.is_some()),
             ("kinopt servo", matches!(self.mode, Mode::Servo(..))),
+            ("kinopt reach", matches!(self.mode, Mode::Reach(..))),
         ])
     }
 }

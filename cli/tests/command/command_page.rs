@@ -11,12 +11,13 @@ const PAGE_HEADER: &str = "# The command
 All subcommands take `--json`. Options that only few need are keys of [problem files](problem.md).
 `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
 ";
-const SUBCOMMANDS: [&str; 14] = [
+const SUBCOMMANDS: [&str; 15] = [
     "solve",
     "body",
     "batch",
     "track",
     "servo",
+    "reach",
     "path",
     "retarget",
     "score",

@@ -174,7 +174,7 @@ fn moved_options_are_found() {
     for (line, place) in [
         (
             "solve a.urdf --targets p.json --track",
-            "kinopt batch, track or servo",
+            "kinopt batch, track, servo or reach",
         ),
         (
             "batch a.urdf --targets p.json --track",

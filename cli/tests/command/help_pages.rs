@@ -55,7 +55,7 @@ fn help_pages_keep_their_limits() {
 
 #[test]
 fn solving_pages_explain_problem_files() {
-    for name in ["solve", "body", "batch", "track", "servo", "path"] {
+    for name in ["solve", "body", "batch", "track", "servo", "reach", "path"] {
         let page = output(&[name, "--help"]);
         for words in [
             "--problem <FILE>",

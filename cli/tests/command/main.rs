@@ -37,6 +37,7 @@ mod path;
 mod posed_mesh;
 mod priority_levels;
 mod problem_files;
+mod reach;
 mod retarget;
 mod retarget_files;
 mod retarget_folders;

@@ -13,6 +13,7 @@
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`per_joint`]: numbers by joint, as a list, one number or by name
 //! - [`names`]: names of enum variants
+//! - [`goal_set`]: criteria and results of goal sets
 //! - [`shape`]: kinds and dimensions of the shapes of links
 //! - [`coordinates`]: names and units of the numbers of a configuration
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
@@ -29,6 +30,7 @@ pub mod cones;
 pub mod coordinate_order;
 pub mod coordinates;
 pub mod error;
+pub mod goal_set;
 pub mod hinges;
 pub mod jobs;
 pub mod json;

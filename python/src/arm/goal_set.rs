@@ -1,8 +1,8 @@
 //! Goal sets: many targets for several arms or tools in one call.
 
-use kinopt::arm::{Criterion, GoalOutcome, GoalSet, GoalStatus};
-use kinopt::model::UnknownName;
+use kinopt::arm::{GoalOutcome, GoalSet, GoalStatus};
 use kinopt::spatial::Placement;
+use kinopt_bindings::goal_set::{criterion as criterion_of, status};
 use numpy::ndarray::Array2;
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -12,10 +12,6 @@ use crate::error::{OrRaise, invalid};
 use crate::placement::targets as targets_of;
 use crate::threads;
 
-const CRITERIA: [&str; 3] = ["distance", "manipulability", "clearance"];
-/// Clearances beyond this distance count as equal, metres.
-const MAX_CLEARANCE: f64 = 0.5;
-
 /// Result of `solve_goals`: arrays with a row for each arm or tool and a column for each target.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct GoalSetSolution {
@@ -23,15 +19,6 @@ pub(crate) struct GoalSetSolution {
     arms: Vec<kinopt::Arm>,
     targets: Vec<Placement<f64>>,
     starts: Vec<Vec<f64>>,
-}
-
-fn status_name(status: GoalStatus) -> &'static str {
-    match status {
-        GoalStatus::Reached => "reached",
-        GoalStatus::InCollision => "in collision",
-        GoalStatus::OutOfReach => "out of reach",
-        _ => "missed",
-    }
 }
 
 impl GoalSetSolution {
@@ -77,12 +64,8 @@ impl GoalSetSolution {
     #[getter]
     fn status(&self) -> Vec<Vec<&'static str>> {
         let rows = self.inner.outcomes.iter();
-        rows.map(|row| {
-            row.iter()
-                .map(|outcome| status_name(outcome.status))
-                .collect()
-        })
-        .collect()
+        rows.map(|row| row.iter().map(|outcome| status(outcome.status)).collect())
+            .collect()
     }
 
     /// Configurations of each arm, shape (targets, dof), radians or metres: the closest one found if a target is not
@@ -161,14 +144,7 @@ pub(super) fn solve(
         Some(criterion) if function.is_none() => arrays::name(criterion, "criterion")?,
         _ => "distance".to_owned(),
     };
-    let ranked_by = match name.as_str() {
-        "distance" => Criterion::Distance,
-        "manipulability" => Criterion::Manipulability,
-        "clearance" => Criterion::Clearance {
-            max_distance: MAX_CLEARANCE,
-        },
-        _ => return Err(UnknownName::new("criterion", &name, CRITERIA)).or_raise(),
-    };
+    let ranked_by = criterion_of(&name).or_raise()?;
     let set = GoalSet::new(arms);
     let pool = threads::pool(threads, targets.len())?;
     let inner = py.detach(|| match &pool {

@@ -4,6 +4,7 @@ mod all_solutions;
 mod batch;
 mod follower;
 mod options;
+mod reach;
 mod servo;
 
 use std::rc::Rc;
