@@ -24,7 +24,9 @@ mod position_frames;
 mod proportions;
 mod rotation;
 mod source;
+mod stance;
 mod transfer;
+mod trunk;
 
 pub(super) use follower::CharacterFollower;
 pub(super) use motion::CharacterMotion;
