@@ -42,7 +42,7 @@ fn run_phase(side: f64, frame: usize) -> f64 {
     std::f64::consts::TAU * frame as f64 / 24.0 + side
 }
 
-/// A run on the spot: each leg stands straight, then swings with a bent knee.
+/// A run on the spot: each leg is straight in contact, then swings with a bent knee.
 fn run(part: &str, frame: usize) -> DQuat {
     let side = if part.starts_with('R') {
         std::f64::consts::PI
