@@ -20,7 +20,7 @@ const MAX_MEAN_ANGLE: f64 = 0.2;
 const MAX_CONTACT_TILT: f64 = 0.04;
 
 /// Largest slope of a sole in the air, if the subject's foot is level.
-const MAX_SWING_TILT: f64 = 0.2;
+const MAX_SWING_TILT: f64 = 0.3;
 
 #[test]
 fn limbs_point_as_the_subject_s() {
