@@ -121,9 +121,11 @@ fn spines_of_any_count_get_the_direction_of_the_trunk() {
     }
 }
 
+type Direction<'a> = &'a dyn Fn(&Person, &[(DQuat, DVec3)]) -> DVec3;
+
 /// Joints of the pelvis lie elsewhere in each skeleton: CMU's is 6 cm behind the hips.
 #[test]
-fn trunk_has_the_direction_from_hips_to_shoulders() {
+fn trunk_and_neck_have_directions_between_limbs() {
     let source = Person::named("Mixamo").with_legs_moved(DVec3::Z * 0.06);
     let clip = source.clip(&dance, &dance_root);
     let subject = placements(&source.armature(), &clip);
@@ -133,9 +135,15 @@ fn trunk_has_the_direction_from_hips_to_shoulders() {
         let middle = |a, b| placed[person.index(a)].1 + placed[person.index(b)].1;
         (middle("Lua", "Rua") - middle("Lth", "Rth")).normalize()
     };
+    let neck = |person: &Person, placed: &[(DQuat, DVec3)]| {
+        let shoulders = placed[person.index("Lua")].1 + placed[person.index("Rua")].1;
+        (placed[person.index("head")].1 - 0.5 * shoulders).normalize()
+    };
     for (frame, (from, to)) in subject.iter().zip(&found.placed).enumerate() {
-        let angle = trunk(&source, from).angle_between(trunk(&target, to));
-        assert!(angle.to_degrees() < 0.5, "frame {frame}: {angle} rad");
+        for (part, direction) in [("trunk", &trunk as Direction<'_>), ("neck", &neck)] {
+            let angle = direction(&source, from).angle_between(direction(&target, to));
+            assert!(angle.to_degrees() < 0.5, "{part}, frame {frame}: {angle}");
+        }
     }
 }
 

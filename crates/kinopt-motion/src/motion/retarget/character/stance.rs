@@ -13,7 +13,7 @@ use crate::motion::contact::smooth;
 /// Weight of a free foot in the shift of the hips; a foot in contact has the weight 1 more.
 const FREE_FOOT_WEIGHT: f64 = 0.1;
 /// Height of a free ankle above its height in contact from which the leg keeps its directions, relative to the leg.
-const FREE_HEIGHT: f64 = 0.15;
+const FREE_HEIGHT: f64 = 0.3;
 /// Heights of the hips between which the shift begins, relative to the leg. The hips of a lying body keep their height.
 const SHIFTED_HIPS: [f64; 2] = [0.25, 0.5];
 

@@ -1,7 +1,8 @@
 //! Direction of the trunk and the neck.
 //!
-//! The trunk has the subject's direction from the middle of the hips to the middle of the shoulders. Joints of pelvis and
-//! chest have no common anatomical place, so their direction differs between skeletons by 10 degrees and more.
+//! The trunk has the subject's direction from the middle of the hips to the middle of the shoulders, the neck that from
+//! there to the head. Joints of pelvis and chest have no common anatomical place, so their directions differ between
+//! skeletons by 10 degrees and more.
 
 use glam::{DQuat, DVec3};
 
@@ -45,15 +46,14 @@ impl CharacterTransfer {
             let Some(&first) = chain.bones.first() else {
                 continue;
             };
-            let is_trunk = (chain.lower, chain.upper) == (BodyPart::Pelvis, BodyPart::Chest);
-            let found = match is_trunk {
-                true => self
-                    .ends(frame, pose, HIPS, SHOULDERS)
-                    .map(|ends| (ends, true)),
-                false => None,
+            let anatomical = match (chain.lower, chain.upper) {
+                (BodyPart::Pelvis, BodyPart::Chest) => self.ends(frame, pose, HIPS, SHOULDERS),
+                (BodyPart::Chest, head) => self.ends(frame, pose, SHOULDERS, [head; 2]),
+                _ => None,
             };
-            let found = found.or_else(|| Some((self.chain_ends(frame, pose, chain)?, false)));
-            let Some(((from, to, direction), with_shoulders)) = found else {
+            let moves_shoulders = anatomical.is_some() && chain.upper == BodyPart::Chest;
+            let ends = anatomical.or_else(|| self.chain_ends(frame, pose, chain));
+            let Some((from, to, direction)) = ends else {
                 continue;
             };
             let origin = Turn::moved(trunk, pose.positions[first]);
@@ -62,11 +62,11 @@ impl CharacterTransfer {
             let fixed = origin - Turn::moved(trunk, from);
             let rotation = turn_towards(arm, fixed, direction);
             let girdle = rig.relation.shoulder_girdle.iter();
-            let girdle = girdle.filter(|_| with_shoulders);
+            let girdle = girdle.filter(|_| moves_shoulders);
             for bone in chain.bones.iter().chain(girdle) {
                 corrections[*bone] = rotation;
             }
-            if with_shoulders {
+            if moves_shoulders {
                 trunk = Some(Turn { rotation, origin });
             }
             changed = true;
