@@ -19,6 +19,9 @@ const MAX_MEAN_ANGLE: f64 = 0.2;
 /// Largest slope of a sole in contact, at rest.
 const MAX_CONTACT_TILT: f64 = 0.04;
 
+/// Largest slope of a sole in the air, if the subject's foot is level.
+const MAX_SWING_TILT: f64 = 0.3;
+
 #[test]
 fn limbs_point_as_the_subject_s() {
     let robot = floating_nao();
@@ -37,6 +40,50 @@ fn limbs_point_as_the_subject_s() {
         }
         assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
         check_tilt(&robot, &found);
+    }
+}
+
+/// The subject moves a level foot backward and turns it outward by 120°, which the NAO's hip does not reach.
+#[test]
+fn foot_turned_beyond_the_hip_stays_level() {
+    let robot = floating_nao();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
+    let steps = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
+    let stance = steps.frame(0).unwrap();
+    let joint = |name: &str| steps.joint(name).unwrap();
+    let ankle = stance[joint("LeftFoot")];
+    let leg = (stance[joint("LeftLeg")] - ankle).norm() * 2.0;
+    let foot = ["LeftFoot", "LeftToeBase", "LeftToeBase/tip"].map(joint);
+    let positions = (0..90).flat_map(|frame| {
+        let phase = ((frame as f64 - 20.0) / 30.0).clamp(0.0, 1.0);
+        let (sine, cosine) = (120.0_f64.to_radians() * phase).sin_cos();
+        let height = 0.2 * leg * (std::f64::consts::PI * phase).sin();
+        let mut pose = stance.to_vec();
+        for joint in foot {
+            let v = pose[joint] - ankle;
+            let turned = Vector3::new(cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x);
+            pose[joint] = ankle + turned + Vector3::new(0.0, height, -0.3 * leg * phase);
+        }
+        pose.into_iter().flat_map(|position| position.to_array())
+    });
+    let numbers: Vec<f64> = positions.collect();
+    let capture = Capture::new(steps.names().to_vec(), &numbers, 30.0).unwrap();
+    let map = BodyMap::guess(&capture, robot.model()).unwrap().map;
+    let options = RetargetOptions::default().with_up(UpAxis::Y);
+    let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+    for found in [
+        retargeting.per_frame().unwrap(),
+        retargeting.whole().unwrap(),
+    ] {
+        assert_eq!(found.report.lost_contacts, []);
+        check_tilt(&robot, &found);
+        let foot = robot.model().frame("left_foot").unwrap();
+        let mut kinematics = ForwardKinematics::of_frames(robot.model(), &[foot]).unwrap();
+        for (frame, q) in found.rows().enumerate() {
+            let up = kinematics.place(q).unwrap()[0].rotation.z;
+            let tilt = up.x.hypot(up.y);
+            assert!(tilt < MAX_SWING_TILT, "frame {frame}: {tilt}");
+        }
     }
 }
 

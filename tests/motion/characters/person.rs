@@ -152,6 +152,16 @@ impl Person {
         self
     }
 
+    /// Both legs moved relative to the pelvis.
+    pub(crate) fn with_legs_moved(mut self, offset: DVec3) -> Self {
+        for hip in ["Lth", "Rth"] {
+            for bone in self.below(self.index(hip)) {
+                self.bones[bone].position += offset;
+            }
+        }
+        self
+    }
+
     fn below(&self, root: usize) -> Vec<usize> {
         let is_below = |bone: usize| {
             let parent = |bone: &usize| self.bones[*bone].parent;

@@ -1,5 +1,6 @@
 //! Promise: bones keep the rotations of the subject relative to the aligned rest pose.
 
+use glam::{DQuat, DVec3};
 use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::{RetargetReport, Retargeting};
 use support::random::Random;
@@ -120,9 +121,34 @@ fn spines_of_any_count_get_the_direction_of_the_trunk() {
     }
 }
 
+type Direction<'a> = &'a dyn Fn(&Person, &[(DQuat, DVec3)]) -> DVec3;
+
+/// Joints of the pelvis lie elsewhere in each skeleton: CMU's is 6 cm behind the hips.
+#[test]
+fn trunk_and_neck_have_directions_between_limbs() {
+    let source = Person::named("Mixamo").with_legs_moved(DVec3::Z * 0.06);
+    let clip = source.clip(&dance, &dance_root);
+    let subject = placements(&source.armature(), &clip);
+    let target = Person::named("UE4").with_spine(3);
+    let found = retarget(&source, &clip, &target, per_frame);
+    let trunk = |person: &Person, placed: &[(DQuat, DVec3)]| {
+        let middle = |a, b| placed[person.index(a)].1 + placed[person.index(b)].1;
+        (middle("Lua", "Rua") - middle("Lth", "Rth")).normalize()
+    };
+    let neck = |person: &Person, placed: &[(DQuat, DVec3)]| {
+        let shoulders = placed[person.index("Lua")].1 + placed[person.index("Rua")].1;
+        (placed[person.index("head")].1 - 0.5 * shoulders).normalize()
+    };
+    for (frame, (from, to)) in subject.iter().zip(&found.placed).enumerate() {
+        for (part, direction) in [("trunk", &trunk as Direction<'_>), ("neck", &neck)] {
+            let angle = direction(&source, from).angle_between(direction(&target, to));
+            assert!(angle.to_degrees() < 0.5, "{part}, frame {frame}: {angle}");
+        }
+    }
+}
+
 #[test]
 fn twist_bones_share_the_twist_of_the_hand() {
-    use glam::{DQuat, DVec3};
     let source = Person::named("Mixamo");
     // The left hand rolls about the forearm, which is along x at rest.
     let roll = |part: &str, frame: usize| {

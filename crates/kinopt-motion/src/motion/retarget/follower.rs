@@ -6,6 +6,7 @@ use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::FrameProblem;
 use super::frame_targets::FrameTargets;
+use super::orientations::FootAxes;
 use super::pelvis_heading::HipLine;
 use super::point_difference::PointDifference;
 use super::relative_limb;
@@ -56,6 +57,10 @@ pub struct BodyFollower {
     /// Tasks of the axes of feet and hands, with their weights.
     axes: Vec<(TaskId<AlignedAxis>, f64)>,
     feet: Feet,
+    foot_axes: Vec<FootAxes>,
+    /// Targets of the driven points and axes with reachable headings of the feet.
+    headed_positions: Vec<Vector3<f64>>,
+    headed_directions: Vec<Vector3<f64>>,
     /// Reference between the nominal posture and the previous configuration. `posture` has the nominal value of each
     /// coordinate.
     stay_task: TaskId<Posture>,
@@ -177,6 +182,9 @@ impl BodyFollower {
             posture,
             stay_task,
             feet,
+            foot_axes: limbs.orientations.foot_axes().cloned().collect(),
+            headed_positions: Vec::new(),
+            headed_directions: Vec::new(),
             landing_weight,
             max_weight: limbs.max_weight(),
             points,
@@ -268,7 +276,14 @@ impl BodyFollower {
         {
             return Ok(&self.body_q);
         }
-        self.set_targets(frame)?;
+        let (positions, directions) = self.headed_targets(frame);
+        let headed = FrameTargets {
+            positions: &positions,
+            directions: &directions,
+            ..*frame
+        };
+        self.set_targets(&headed)?;
+        (self.headed_positions, self.headed_directions) = (positions, directions);
         let mut solved = self.descend();
         if solved && self.feet.lock_orientations(&self.anchors, MAX_PENETRATION) {
             self.feet
@@ -339,6 +354,29 @@ impl BodyFollower {
             self.feet.store_poses(&mut self.frame, &self.x);
         }
         solved
+    }
+
+    /// Returns the targets of points and axes with headings near those of the feet.
+    fn headed_targets(
+        &mut self,
+        frame: &FrameTargets<'_>,
+    ) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+        let mut positions = std::mem::take(&mut self.headed_positions);
+        let mut directions = std::mem::take(&mut self.headed_directions);
+        positions.clear();
+        positions.extend_from_slice(frame.positions);
+        directions.clear();
+        directions.extend_from_slice(frame.directions);
+        if self.has_solved {
+            let feet = self.foot_axes.iter().zip(self.axes.chunks_exact(2));
+            for ((foot, axes), directions) in feet.zip(directions.chunks_exact_mut(2)) {
+                let (task, _) = axes[0];
+                if let Some(pose) = self.frame.first_frame(&self.x, task.index()) {
+                    foot.limit_heading(&pose.rotation, directions, &mut positions);
+                }
+            }
+        }
+        (positions, directions)
     }
 
     /// Sets all targets: locked points stay, released ones blend back to their targets.

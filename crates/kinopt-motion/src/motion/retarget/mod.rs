@@ -21,6 +21,7 @@ mod error;
 mod feet;
 mod figure_target;
 mod follower;
+mod foot_headings;
 mod footholds;
 mod frame_errors;
 mod frame_problem;

@@ -199,6 +199,11 @@ impl Orientations {
         self.feet.iter().map(|foot| (foot.limbs.0, foot.forward))
     }
 
+    /// Feet, in the order of their directions.
+    pub(super) fn foot_axes(&self) -> impl Iterator<Item = &FootAxes> {
+        self.feet.iter()
+    }
+
     /// Returns the foot whose toe a limb is.
     pub(super) fn foot_of_toe(&self, limb: usize) -> Option<&FootAxes> {
         self.feet.iter().find(|foot| foot.limbs.1 == Some(limb))
@@ -252,6 +257,16 @@ impl HandAxes {
 }
 
 impl FootAxes {
+    /// Forward axis of the model's foot.
+    pub(super) fn axis(&self) -> &DrivenAxis {
+        &self.driven[0]
+    }
+
+    /// Indices of the limbs of ankle and toe.
+    pub(super) fn limbs(&self) -> (usize, Option<usize>) {
+        self.limbs
+    }
+
     /// Returns the subject's axes: forward, left and upward on a flat foot.
     pub(super) fn axes(&self, pose: &SubjectPose<'_>) -> [Vector3<f64>; 3] {
         match (self.bone, pose.rotation(self.ankle)) {

@@ -25,6 +25,14 @@ const MAX_COLLISION_PASSES: usize = 3;
 /// Maximum number of additional solves with raised ground under penetrating feet.
 const MAX_GROUND_CORRECTIONS: usize = 3;
 
+/// Targets of a whole trajectory.
+struct TrajectoryTargets {
+    /// Target and weight of each driven point at each sample.
+    points: Arc<[(Vector3<f64>, f64)]>,
+    /// Directions of the driven axes at each sample.
+    directions: Arc<[Vector3<f64>]>,
+}
+
 impl Retargeting<'_> {
     /// Solves the whole trajectory, which is smooth. Contacts are locked where the online result has them.
     ///
@@ -48,17 +56,17 @@ impl Retargeting<'_> {
             return self.measure(q);
         }
         let (mut q, mut avoidance) = self.follow_all()?;
-        let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
+        let targets = self.trajectory_targets(&q)?;
         // A smoothed trajectory may collide at other samples than the online result.
         for _ in 0..MAX_COLLISION_PASSES {
             self.extend_avoidance(&mut avoidance);
             let mut footholds = self.footholds(&q)?;
-            q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, progress)?;
+            q = self.smooth(&q, &targets, &footholds, &avoidance, progress)?;
             for _ in 0..MAX_GROUND_CORRECTIONS {
                 if !self.raise_footholds(&q, &mut footholds)? {
                     break;
                 }
-                q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, &mut |_| ())?;
+                q = self.smooth(&q, &targets, &footholds, &avoidance, &mut |_| ())?;
             }
             let touching = self.touching(&q);
             if touching.is_empty() {
@@ -89,7 +97,7 @@ impl Retargeting<'_> {
     fn smooth(
         &self,
         start: &[f64],
-        weighted_targets: &Arc<[(Vector3<f64>, f64)]>,
+        targets: &TrajectoryTargets,
         footholds: &Footholds,
         avoidance: &[bool],
         progress: &mut dyn FnMut(usize),
@@ -101,7 +109,7 @@ impl Retargeting<'_> {
         let n = self.limbs.all.len();
         for (k, limb) in self.limbs.all.iter().enumerate() {
             let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
-            let weighted_targets = Arc::clone(weighted_targets);
+            let weighted_targets = Arc::clone(&targets.points);
             motion.follow(point, move |frame, point| {
                 let (target, weight) = weighted_targets[frame * n + k];
                 point.set(target, weight);
@@ -130,7 +138,7 @@ impl Retargeting<'_> {
             let (weight, count) = (axis.weight, driven.len());
             let (task, directions) = (
                 motion.add(AlignedAxis::new(axis.frame, axis.axis)),
-                Arc::clone(&self.directions),
+                Arc::clone(&targets.directions),
             );
             motion.follow(task, move |frame, task| {
                 task.set(directions[frame * count + k], weight)
@@ -158,16 +166,28 @@ impl Retargeting<'_> {
         Ok(solved.q)
     }
 
+    /// Returns the targets of a trajectory near an online result.
+    fn trajectory_targets(&self, q: &[f64]) -> Result<TrajectoryTargets, RetargetError> {
+        let headed = self.headed_targets(q)?;
+        Ok(TrajectoryTargets {
+            points: self.weighted_targets(q, &headed.positions)?.into(),
+            directions: headed.directions.into(),
+        })
+    }
+
     /// Returns target and weight of each driven point at each sample.
     ///
     /// Contacts have the positions of the online result, which are known to be reachable.
-    fn weighted_targets(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
+    fn weighted_targets(
+        &self,
+        q: &[f64],
+        targets: &[Vector3<f64>],
+    ) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
         let model = self.body.model();
         let n = self.limbs.all.len();
         let max_weight = self.limbs.max_weight();
         let weights = (0..n).map(|limb| relative_limb::point_weight(&self.limbs.all, limb));
-        let mut weighted_targets: Vec<_> =
-            self.targets.iter().copied().zip(weights.cycle()).collect();
+        let mut weighted_targets: Vec<_> = targets.iter().copied().zip(weights.cycle()).collect();
         for ((_, weight), grasp) in weighted_targets.iter_mut().zip(&*self.grasps) {
             *weight += GRASP_WEIGHT * max_weight * grasp;
         }
@@ -184,7 +204,7 @@ impl Retargeting<'_> {
             let position = placed[*limb].apply(self.limbs.all[*limb].offset);
             positions.push(position);
             // Blends of the targets to and from the contact position.
-            let offset = position - self.targets[middle * n + limb];
+            let offset = position - targets[middle * n + limb];
             for distance in 1..=lead {
                 let shift = offset * (1.0 - smooth(distance as f64 / (lead + 1) as f64));
                 let before = span.start.checked_sub(distance);

@@ -51,6 +51,8 @@ pub(super) struct Correspondence {
     pub(super) joints: BTreeMap<BodyPart, usize>,
     /// Bones of the spine and the neck between mapped ends: lower end, bones, upper end.
     pub(super) axial_chains: Vec<AxialChain>,
+    /// Chest, and bones between chest and shoulders.
+    pub(super) shoulder_girdle: Vec<usize>,
 }
 
 /// Bones between two parts of the trunk.
@@ -109,7 +111,16 @@ impl Correspondence {
         builder.add_fingers(&part_bones, &part_joints);
         builder.add_equal_names();
         builder.add_twists(&part_bones);
+        let chest = part_bones.get(&BodyPart::Chest).copied();
+        let shoulders = [BodyPart::LeftShoulder, BodyPart::RightShoulder];
+        let shoulders = shoulders.map(|shoulder| part_bones.get(&shoulder).copied());
+        let clavicles = shoulders.iter().flatten().filter_map(|shoulder| {
+            let clavicle = bones.joints_between(chest?, *shoulder);
+            Some(clavicle.unwrap_or_default())
+        });
+        let shoulder_girdle = chest.into_iter().chain(clavicles.flatten()).collect();
         Self {
+            shoulder_girdle,
             motions: builder.motions,
             axial_chains: builder.axial_chains,
             bones: part_bones,

@@ -7,6 +7,7 @@
 //! | `position_frames.rs` | rotations from positions, for captures without rotations |
 //! | `proportions.rs`, `feet.rs` | ratio of the legs, targets and contacts of the feet |
 //! | `transfer.rs`, `leg.rs` | one frame: rotations, hips, two-bone IK of the legs |
+//! | `trunk.rs`, `stance.rs` | directions of trunk and neck, places of hips and free feet |
 //! | `onto_character.rs` | fit of a capture to a character |
 //! | `motion.rs`, `follower.rs` | recorded motions, online frames |
 
@@ -24,7 +25,9 @@ mod position_frames;
 mod proportions;
 mod rotation;
 mod source;
+mod stance;
 mod transfer;
+mod trunk;
 
 pub(super) use follower::CharacterFollower;
 pub(super) use motion::CharacterMotion;

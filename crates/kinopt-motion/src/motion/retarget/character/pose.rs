@@ -68,4 +68,11 @@ impl BonePose {
             };
         }
     }
+
+    /// Moves all bones.
+    pub(super) fn translate(&mut self, offset: DVec3) {
+        for position in &mut self.positions {
+            *position += offset;
+        }
+    }
 }

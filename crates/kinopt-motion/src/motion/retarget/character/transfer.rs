@@ -44,6 +44,8 @@ pub(in super::super) struct SubjectFrame<'a> {
 pub(super) struct FootTarget {
     pub(super) ankle: DVec3,
     pub(super) toe: Option<DVec3>,
+    /// Level of contact of the foot, from 0 (free) to 1.
+    pub(super) contact_level: f64,
 }
 
 /// Targets of both feet in each frame.
@@ -58,8 +60,13 @@ impl FootTarget {
         length: f64,
         [ankle_level, toe_level]: [f64; 2],
     ) -> Self {
+        let contact_level = ankle_level.max(toe_level);
         let Some(place) = toe else {
-            return Self { ankle, toe };
+            return Self {
+                ankle,
+                toe,
+                contact_level,
+            };
         };
         let hold = |level: f64| level / (1.0 + MIN_CONTACT_LEVEL - level);
         let (at_ankle, at_toe) = (hold(ankle_level) + MIN_CONTACT_LEVEL, hold(toe_level));
@@ -69,14 +76,15 @@ impl FootTarget {
         Self {
             ankle: ankle + excess * (1.0 - toe_share),
             toe: Some(place - excess * toe_share),
+            contact_level,
         }
     }
 }
 
 /// Source of a bone's rotation, with its aligned rest rotation.
 #[derive(Clone, Debug)]
-struct BoneRig {
-    relation: Correspondence,
+pub(super) struct BoneRig {
+    pub(super) relation: Correspondence,
     /// Rotation of each bone in the aligned rest pose.
     rest: Vec<DQuat>,
     base: BaseMotion,
@@ -206,7 +214,7 @@ impl CharacterTransfer {
     }
 
     /// Position of a part of the subject, with z up, in the capture's unit.
-    fn captured(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
+    pub(super) fn captured(&self, part: BodyPart, frame: SubjectFrame<'_>) -> Option<DVec3> {
         let joint = *self.positioned.relation.joints.get(&part)?;
         let position = frame.positions.get(joint)?;
         Some(upright(self.reference.up, *position))
@@ -340,11 +348,12 @@ impl CharacterTransfer {
         let Some(feet) = feet else {
             return (pose, base);
         };
-        let lowered = drop(self.missing_reach(&pose, feet));
-        let hips = hips.map(|hips| hips - DVec3::Z * lowered);
-        for position in &mut pose.positions {
-            position.z -= lowered;
-        }
+        let shift = self.hip_shift(frame, feet, &pose);
+        pose.translate(shift);
+        let feet = &self.with_free_feet(feet, &pose);
+        let lowered = DVec3::NEG_Z * drop(self.missing_reach(&pose, feet));
+        pose.translate(lowered);
+        let hips = hips.map(|hips| hips + shift + lowered);
         for (leg, target) in LEGS.iter().zip(feet) {
             if let Some(target) = target {
                 self.bend_leg(leg, target, &pose, &mut corrections);
@@ -407,9 +416,7 @@ impl CharacterTransfer {
             (Some(place), Some(middle)) => place - middle,
             _ => DVec3::ZERO,
         };
-        for position in &mut pose.positions {
-            *position += translation;
-        }
+        pose.translate(translation);
         (rotation, translation)
     }
 
@@ -471,40 +478,6 @@ impl CharacterTransfer {
             let before = previous.and_then(|angles| angles.get(bone)).copied();
             pose.rotate(&self.bones, bone, base, wanted, before);
         }
-    }
-
-    /// Rotates the bones of spine and neck so that the trunk has the subject's direction. Returns whether it changed.
-    fn correct_trunk(
-        &self,
-        rig: &BoneRig,
-        frame: SubjectFrame<'_>,
-        pose: &BonePose,
-        corrections: &mut [DQuat],
-    ) -> bool {
-        let mut changed = false;
-        for chain in &rig.relation.axial_chains {
-            let ends = [chain.lower, chain.upper];
-            let [Some(lower), Some(upper)] = ends.map(|part| self.captured(part, frame)) else {
-                continue;
-            };
-            let [Some(from), Some(to)] = ends.map(|part| self.bone(part)) else {
-                continue;
-            };
-            if chain.bones.is_empty() {
-                continue;
-            }
-            let present = pose.positions[to] - pose.positions[from];
-            // From the first bone that can rotate.
-            let first = chain.bones.first().map_or(from, |bone| *bone);
-            let fixed = pose.positions[first] - pose.positions[from];
-            let wanted = (upper - lower).normalize_or_zero() * present.length();
-            let correction = arc(present - fixed, wanted - fixed);
-            for bone in &chain.bones {
-                corrections[*bone] = correction;
-            }
-            changed = true;
-        }
-        changed
     }
 
     /// Distance by which the hips must be lowered for both feet to reach their targets.
