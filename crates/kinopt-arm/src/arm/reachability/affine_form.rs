@@ -8,13 +8,15 @@ use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 use super::axis_chain::{AxisChain, AxisMotion};
-use super::joint_box::{JointBox, MAX_JOINTS};
+use super::joint_box::{JointBox, MAX_ARM_JOINTS, MAX_JOINTS};
 
 /// Largest number of points of the tool that a proof compares with the target.
 pub(super) const MAX_POINTS: usize = 4;
 
+/// Most joints with terms of second order: those of an arm and the rotations of a cell, whose translations are outermost.
+const MAX_INNER: usize = MAX_ARM_JOINTS + 3;
 /// Most terms of second order: two for each rotation, and one for each pair of joints of one half of the arm.
-const MAX_NOISES: usize = 2 * MAX_JOINTS + MAX_JOINTS * (MAX_JOINTS - 1) / 2;
+const MAX_NOISES: usize = 2 * MAX_INNER + MAX_INNER * (MAX_INNER - 1) / 2;
 
 /// Terms of second and third order below which division cannot exclude a box, in metres summed over the points.
 const NEGLIGIBLE: f64 = 1e-10;

@@ -2,8 +2,8 @@
 
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
-use super::joint_box::{JointBox, MAX_JOINTS};
-use crate::simd_ik::Chain;
+use super::joint_box::{JointBox, MAX_ARM_JOINTS};
+use crate::simd_ik::{Chain, ChainJoint};
 
 /// Motion of a joint about or along the z axis of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,16 +30,22 @@ pub(super) struct AxisChain {
 }
 
 impl AxisChain {
-    /// Turns the frames of a chain so that the joints' axes are z. Returns `None` for more than [`MAX_JOINTS`] joints
-    /// and for an unlimited prismatic joint.
+    /// Turns the frames of a chain so that the joints' axes are z. Returns `None` for more than [`MAX_ARM_JOINTS`]
+    /// joints and for an unlimited prismatic joint.
     pub(super) fn new(chain: &Chain) -> Option<Self> {
-        if chain.joints().len() > MAX_JOINTS {
-            return None;
+        match chain.joints().len() > MAX_ARM_JOINTS {
+            true => None,
+            false => Self::of_joints(chain.joints(), chain.joint_from_tip()),
         }
+    }
+
+    /// A chain of at most [`MAX_JOINTS`](super::joint_box::MAX_JOINTS) joints with unit axes; `None` for an unlimited
+    /// prismatic joint.
+    pub(super) fn of_joints(chain: &[ChainJoint], joint_from_tip: &Placement<f64>) -> Option<Self> {
         let mut limits = JointBox::default();
-        let mut joints = Vec::with_capacity(chain.joints().len());
+        let mut joints = Vec::with_capacity(chain.len());
         let mut turned_from_last = Placement::identity();
-        for (index, joint) in chain.joints().iter().enumerate() {
+        for (index, joint) in chain.iter().enumerate() {
             let motion = match joint.kind.slides() {
                 true => AxisMotion::Translation,
                 false => AxisMotion::Rotation,
@@ -58,7 +64,7 @@ impl AxisChain {
         }
         Some(Self {
             joints,
-            last_joint_from_tool: turned_from_last * *chain.joint_from_tip(),
+            last_joint_from_tool: turned_from_last * *joint_from_tip,
             limits,
         })
     }

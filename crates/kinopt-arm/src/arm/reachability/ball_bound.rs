@@ -18,13 +18,28 @@ pub(super) struct AxisPoint {
     pub(super) point: Vector3<f64>,
 }
 
+/// Ball of positions, metres.
 #[derive(Clone, Copy, Debug)]
-struct PointBall {
-    centre: Vector3<f64>,
-    radius: f64,
+pub(super) struct PointBall {
+    pub(super) centre: Vector3<f64>,
+    pub(super) radius: f64,
 }
 
 impl PointBall {
+    /// Ball in the base frame that contains the tool's position at every configuration within the limits.
+    pub(super) fn of_tool(chain: &AxisChain) -> Self {
+        let mut ball = Self {
+            centre: chain.last_joint_from_tool.translation,
+            radius: 0.0,
+        };
+        let JointBox { centre, half_width } = &chain.limits;
+        for (index, joint) in chain.joints.iter().enumerate().rev() {
+            ball = ball.moved(joint.motion, centre[index], half_width[index]);
+            ball = ball.placed(&joint.parent_from_joint);
+        }
+        ball
+    }
+
     /// Ball around a ball that a joint moves from `centre − half_width` to `centre + half_width`.
     fn moved(self, motion: AxisMotion, centre: f64, half_width: f64) -> Self {
         let Vector3 { x, y, z } = self.centre;
