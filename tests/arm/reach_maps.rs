@@ -181,6 +181,26 @@ fn decisions_are_those_of_exact_solutions() {
             other => panic!("{other:?}"),
         }
     }
+    let poses: Vec<_> = (0..200).map(|_| random_pose(&mut random, 0.8)).collect();
+    let mut q = vec![0.0; 6 * poses.len()];
+    let mut reached = vec![None; poses.len()];
+    map.decide_into(&arm, &poses, 4, &mut q, &mut reached)
+        .unwrap();
+    let mut equal = vec![None; poses.len()];
+    let mut equal_q = q.clone();
+    map.decide_into_parallel(&arm, &poses, 4, &mut equal_q, &mut equal)
+        .unwrap();
+    assert_eq!(reached, equal);
+    for ((pose, reached), q) in poses.iter().zip(&reached).zip(q.chunks(6)) {
+        let solved = arm.solve(*pose, arm.default_start()).unwrap().reached;
+        match reached {
+            Some(true) => {
+                let tool = arm.base_from_tool(q).unwrap();
+                assert!((tool.translation - pose.translation).norm() < 2e-6);
+            }
+            _ => assert!(q[0].is_nan() && !solved),
+        }
+    }
     let far = Placement::translation(Vector3::new(4.0, 0.0, 0.0));
     let decision = map.decide(&arm, &far, 0).unwrap();
     assert!(matches!(decision, PoseReach::Unreachable));

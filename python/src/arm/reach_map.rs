@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinopt::arm::{ArmFingerprint, PoseReach, ReachMapData};
+use kinopt::arm::{ArmFingerprint, ReachMapData};
 use kinopt::spatial::{Placement, Vector3};
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2, ToPyArray};
@@ -15,6 +15,7 @@ use crate::error::{OrRaise, invalid};
 use crate::in_python;
 use crate::placement::{placements, targets as targets_of};
 use crate::progress::Progress;
+use crate::signals::interruptible;
 use crate::threads;
 
 /// Parts of a map between two checks for signals.
@@ -201,38 +202,33 @@ impl ReachMap {
     }
 
     /// Decides whether the map's arm reaches `targets`: by the map, then by exact inverse kinematics from the cell's
-    /// configuration, then by a proof of at most `max_boxes` boxes of joint values.
+    /// configuration, then by a proof of at most `max_boxes` boxes of joint values. `threads` as in `Arm.solve_batch`.
     ///
     /// Returns an int8 array of shape (N,): 1 for reached, -1 for proven unreachable, 0 for undecided. With it, the
     /// configurations that reach the targets, shape (N, dof), radians or metres; NaN if there is none.
     ///
     /// Raises `InvalidValueError` for another arm than the map's, and for placements that are not rigid motions.
-    #[pyo3(signature = (arm, targets, *, max_boxes = 0))]
+    #[pyo3(signature = (arm, targets, *, max_boxes = 0, threads = 1))]
     fn decide<'py>(
         &self,
         py: Python<'py>,
         arm: &Arm,
         targets: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = crate::arrays::whole)] max_boxes: usize,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
     ) -> PyResult<Reach<'py>> {
-        self.inner.check_arm(&arm.inner).or_raise()?;
         let poses = self.poses(targets)?;
-        let mut q = vec![f64::NAN; poses.len() * self.dof()];
-        let mut reached = vec![0; poses.len()];
-        let rows = q.chunks_mut(self.dof()).zip(&mut reached);
-        for (pose, (q, reached)) in poses.iter().zip(rows) {
-            py.check_signals()?;
-            let decision = py.detach(|| self.inner.decide(&arm.inner, pose, max_boxes));
-            *reached = match decision.or_raise()? {
-                PoseReach::Reachable(solution) => {
-                    q.copy_from_slice(&solution.q);
-                    1
-                }
-                PoseReach::Unreachable => -1,
-                PoseReach::Undecided(_) => 0,
-            };
-        }
-        let reached = PyArray1::from_vec(py, reached);
+        let mut q = vec![0.0; poses.len() * self.dof()];
+        let mut reached = vec![None; poses.len()];
+        let pool = threads::pool(threads, poses.len())?;
+        let (map, arm) = (&self.inner, &arm.inner);
+        interruptible(py, || match &pool {
+            Some(pool) => pool
+                .install(|| map.decide_into_parallel(arm, &poses, max_boxes, &mut q, &mut reached)),
+            None => map.decide_into(arm, &poses, max_boxes, &mut q, &mut reached),
+        })?
+        .or_raise()?;
+        let reached = PyArray1::from_iter(py, reached.into_iter().map(code));
         Ok((reached, table(py, q, poses.len(), self.dof())?))
     }
 

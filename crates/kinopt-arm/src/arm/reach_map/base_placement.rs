@@ -4,7 +4,7 @@ use super::super::QueryError;
 use super::super::arm::Arm;
 use super::ReachMap;
 use super::error::ReachMapError;
-use super::query::{CellReach, PoseReach};
+use super::query::CellReach;
 use kinopt_kinematics::spatial::Placement;
 
 /// A candidate placement of a base with the goals that the arm reaches from it.
@@ -93,25 +93,21 @@ impl ReachMap {
         world_from_bases: &[Placement<f64>],
     ) -> Result<BasePlacement, ReachMapError> {
         let base_from_world = world_from_bases[count.candidate].inverse();
-        let mut placement = BasePlacement {
+        let goals: Vec<Placement<f64>> = world_from_tools
+            .iter()
+            .map(|tool| base_from_world * *tool)
+            .collect();
+        let mut q = vec![0.0; arm.joint_count() * goals.len()];
+        let mut reached = vec![None; goals.len()];
+        self.decide_into(arm, &goals, 0, &mut q, &mut reached)?;
+        Ok(BasePlacement {
             candidate: count.candidate,
-            reached: 0,
+            reached: reached
+                .iter()
+                .filter(|&&reached| reached == Some(true))
+                .count(),
             unreachable: count.unreachable,
-            q: Vec::with_capacity(arm.joint_count() * world_from_tools.len()),
-        };
-        for (index, tool) in world_from_tools.iter().enumerate() {
-            let goal = base_from_world * *tool;
-            match self.decide_checked(arm, Some(index), &goal, 0)? {
-                PoseReach::Reachable(solution) => {
-                    placement.reached += 1;
-                    placement.q.extend_from_slice(&solution.q);
-                }
-                PoseReach::Unreachable | PoseReach::Undecided(_) => {
-                    let row = std::iter::repeat_n(f64::NAN, arm.joint_count());
-                    placement.q.extend(row);
-                }
-            }
-        }
-        Ok(placement)
+            q,
+        })
     }
 }

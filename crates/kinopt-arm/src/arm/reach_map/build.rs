@@ -21,8 +21,8 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 const STEP_OF_RADIUS: f64 = 0.1;
 /// Boxes of the proof for a cube of positions.
 const CUBE_BOXES: usize = 64;
-/// Boxes of the proof for a cell that comes before the search for a solution.
-const FIRST_BOXES: usize = 2;
+/// Default largest number of boxes of the proof for a cell.
+const CELL_BOXES: usize = 2;
 /// Largest number of cells of a grid.
 const MAX_CELLS: f64 = 2_147_483_648.0;
 
@@ -59,7 +59,7 @@ impl<'a> ReachMapBuilder<'a> {
             position_step: None,
             orientation_step: std::f64::consts::FRAC_PI_4,
             attempts: 8,
-            max_boxes: FIRST_BOXES,
+            max_boxes: CELL_BOXES,
             part: (0, 1),
         }
     }
@@ -89,8 +89,7 @@ impl<'a> ReachMapBuilder<'a> {
 
     /// Largest number of boxes of joint values in the proof for a cell. The default is 2.
     ///
-    /// The first two come before the search for a solution, others after it. 0 proves nothing about cells, only about
-    /// whole cubes.
+    /// The proof follows the search for a solution. 0 proves nothing about cells, only about whole cubes.
     #[must_use]
     pub fn with_max_boxes(mut self, max_boxes: usize) -> Self {
         self.max_boxes = max_boxes;
@@ -215,42 +214,36 @@ impl MapSearch {
         if self.proofs.excludes_cube(&position, CUBE_BOXES) {
             return Ok(None);
         }
-        let excludes = |bin: usize, boxes: usize| {
-            let orientations = self.bins.bin(bin);
-            self.proofs.excludes_cell(&position, &orientations, boxes)
-        };
-        let mut rows = vec![UNREACHABLE; self.bins.count()];
-        let searched: Vec<usize> = (0..rows.len())
-            .filter(|&bin| !excludes(bin, self.max_boxes.min(FIRST_BOXES)))
-            .collect();
         let centre = Vector3::from(position.map(|interval| interval.centre));
-        let targets: Vec<Placement<f64>> = searched
-            .iter()
-            .map(|&bin| Placement::new(self.bins.centre(bin), centre))
+        let targets: Vec<Placement<f64>> = (0..self.bins.count())
+            .map(|bin| Placement::new(self.bins.centre(bin), centre))
             .collect();
         let joints = self.start.len();
-        let starts = self.start.repeat(targets.len());
         let mut q = vec![0.0; joints * targets.len()];
         let mut outcomes = vec![PoseOutcome::default(); targets.len()];
         outcomes_of_attempts(
             &self.arm,
             &targets,
-            &starts,
+            &self.start.repeat(targets.len()),
             self.attempts,
             &mut q,
             &mut outcomes,
         )?;
+        let mut rows = vec![UNKNOWN; targets.len()];
         let mut codes = Vec::new();
-        let found = outcomes.iter().zip(q.chunks(joints));
-        for (&bin, (outcome, q)) in searched.iter().zip(found) {
+        let found = outcomes.iter().zip(q.chunks(joints)).enumerate();
+        for (bin, (outcome, q)) in found {
             if outcome.reached {
                 rows[bin] = (codes.len() / joints) as u32;
                 let limits = q.iter().zip(self.arm.limits());
                 codes.extend(
                     limits.map(|(&value, limits)| encode(value, limits.lower, limits.upper)),
                 );
-            } else if self.max_boxes <= FIRST_BOXES || !excludes(bin, self.max_boxes) {
-                rows[bin] = UNKNOWN;
+                continue;
+            }
+            let orientations = self.bins.bin(bin);
+            if (self.proofs).excludes_cell(&position, &orientations, self.max_boxes) {
+                rows[bin] = UNREACHABLE;
             }
         }
         Ok(Some((rows, codes)))

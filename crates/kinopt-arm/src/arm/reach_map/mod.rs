@@ -5,6 +5,7 @@ mod build;
 mod configuration_codes;
 mod cube_grid;
 mod data;
+mod decisions;
 mod error;
 mod fingerprint;
 mod merging;
