@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::Arm;
-use crate::arrays::{self, Floats};
+use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::in_python;
 use crate::placement::{placements, targets as targets_of};
@@ -303,8 +303,8 @@ impl ReachMap {
 
     /// Centre of the grid of positions in the base frame, shape (3,), metres.
     #[getter]
-    fn centre(&self) -> Floats {
-        Floats(self.inner.data().centre.to_vec())
+    fn centre<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.data().centre.to_pyarray(py)
     }
 
     /// Number of cubes of positions along each axis.
@@ -367,7 +367,9 @@ impl ReachMap {
             let missing = |_| invalid(format!("the reach map has no array `{name}`"));
             arrays.get_item(name).map_err(missing)
         };
-        let floats = |name: &str| Ok(arrays::vector(&array(name)?, name)?.to_vec());
+        let floats = |name: &str| -> PyResult<Vec<f64>> {
+            Ok(arrays::vector(&array(name)?, name)?.to_vec())
+        };
         let [cubes_per_axis, bins_per_face] =
             <[u32; 2]>::try_from(codes(&array("sizes")?, "sizes")?)
                 .map_err(|_| invalid("`sizes` must hold two numbers"))?;
@@ -454,7 +456,7 @@ impl ReachMap {
 
 /// Whole numbers of an array.
 fn codes<T: numpy::Element + Copy>(array: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<T>> {
-    let numbers: arrays::Numbers<'_, numpy::Ix1, T> =
+    let numbers: arrays::Numbers<'_, numpy::ndarray::Ix1, T> =
         arrays::numbers(array, what, "one list of whole numbers")?;
     Ok(numbers.to_vec())
 }

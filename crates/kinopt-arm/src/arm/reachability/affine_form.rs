@@ -218,6 +218,26 @@ impl AffineForm {
         (*largest.1 > NEGLIGIBLE).then_some(largest.0)
     }
 
+    /// Returns true if a coordinate of a point is nowhere zero: its centre exceeds the sum of all other terms.
+    pub(super) fn is_away_along_an_axis(&self) -> bool {
+        let absolute = |v: Vector3<f64>| v.to_array().map(f64::abs);
+        (0..self.points).any(|point| {
+            let mut spread = [self.remainder[point]; 3];
+            let linear = self.inner.clone().map(|joint| self.linear[joint][point]);
+            let noises = self.noises().iter().map(|noise| noise.vectors[point]);
+            for term in linear.chain(noises) {
+                for (spread, size) in spread.iter_mut().zip(absolute(term)) {
+                    *spread += size;
+                }
+            }
+            let centre = absolute(self.centre[point]);
+            centre
+                .iter()
+                .zip(&spread)
+                .any(|(centre, spread)| centre > spread)
+        })
+    }
+
     /// Largest value of `Σ weights·(noises + r)` over all points.
     pub(super) fn spread_along(&self, weights: &PointVectors) -> f64 {
         let along = |vectors: &PointVectors| {

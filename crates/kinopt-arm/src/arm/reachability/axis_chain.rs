@@ -24,6 +24,8 @@ pub(super) struct AxisJoint {
 #[derive(Clone, Debug)]
 pub(super) struct AxisChain {
     pub(super) joints: Vec<AxisJoint>,
+    /// Number of translations at the base along the negative axes of the base frame: 3 in a chain of a cell, else 0.
+    pub(super) cell_translations: usize,
     pub(super) last_joint_from_tool: Placement<f64>,
     /// All configurations within the limits, up to whole revolutions.
     pub(super) limits: JointBox,
@@ -64,6 +66,7 @@ impl AxisChain {
         }
         Some(Self {
             joints,
+            cell_translations: 0,
             last_joint_from_tool: turned_from_last * *joint_from_tip,
             limits,
         })

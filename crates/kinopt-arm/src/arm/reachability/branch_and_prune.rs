@@ -128,6 +128,9 @@ impl BoxSearch {
             AffineForm::of_target(chain, cut, &self.points, joint_box, base_from_last_joint);
         let mut difference = of_arm.minus(&of_target);
         difference.widen(tolerance);
+        if chain.cell_translations > 0 && difference.is_away_along_an_axis() {
+            return None;
+        }
         let test = LinearTest::new(&difference, joints);
         if test.excludes() {
             return None;

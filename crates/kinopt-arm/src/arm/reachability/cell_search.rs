@@ -87,8 +87,11 @@ impl Arm {
             probe.cut += 3;
             probe
         };
-        let search = |chain, probes, points, cut| BoxSearch {
-            chain,
+        let search = |chain: AxisChain, probes, points, cut| BoxSearch {
+            chain: AxisChain {
+                cell_translations: 3,
+                ..chain
+            },
             probes,
             points,
             cut,
