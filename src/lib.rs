@@ -151,6 +151,7 @@ pub use nalgebra;
 #[doc = include_str!("../docs/guide/pose-ik.md")]
 #[doc = include_str!("../docs/guide/postures.md")]
 #[doc = include_str!("../docs/guide/priorities.md")]
+#[doc = include_str!("../docs/guide/reach-maps.md")]
 #[doc = include_str!("../docs/guide/reachability.md")]
 #[doc = include_str!("../docs/guide/residuals.md")]
 #[doc = include_str!("../docs/guide/retargeting-robots.md")]

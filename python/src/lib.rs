@@ -65,8 +65,8 @@ mod _kinopt {
     use super::animation::animation;
     #[pymodule_export]
     use super::arm::{
-        AllSolutions, Arm, ArmDerivative, Batch, Follower, GoalSetSolution, Reachability,
-        SelfMotion, Servo, ServoStep, solve_goals,
+        AllSolutions, Arm, ArmDerivative, BasePlacement, Batch, Follower, GoalSetSolution,
+        ReachMap, Reachability, SelfMotion, Servo, ServoStep, solve_goals,
     };
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate};

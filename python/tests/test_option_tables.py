@@ -28,6 +28,7 @@ METHODS = [field for name in ("LevenbergMarquardt", "GaussNewton") for field in 
 SECTIONS = {
     "Arms": keywords(kinopt.Arm, ["robot", "base", "tip"]),
     "Followers and servos": keywords(kinopt.Arm.servo, ["self", "start", "time_step"]),
+    "Reach maps": keywords(kinopt.ReachMap.build, ["arm"]),
     "Problems": keywords(kinopt.Problem, ["model"]),
     "Tasks": sorted(name for name in kinopt.tasks.Task.__dataclass_fields__ if not name.startswith("_")),
     "Solvers": sorted([*keywords(kinopt.Solver), *(name for name in METHODS if name not in ("damping", "_kind"))]),

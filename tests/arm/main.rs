@@ -21,6 +21,7 @@ mod near_misses;
 mod null_space;
 mod options;
 mod paths;
+mod reach_maps;
 mod reachability;
 mod reference_workloads;
 mod reproducibility;

@@ -102,6 +102,15 @@ impl Classify for kinopt::arm::ArmError {
     }
 }
 
+impl Classify for kinopt::arm::ReachMapError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Arm(error) => error.kind(),
+            _ => ErrorKind::InvalidValue,
+        }
+    }
+}
+
 impl Classify for kinopt::calibration::CalibrationError {
     fn kind(&self) -> ErrorKind {
         unknown_name_if(matches!(self, Self::UnknownName(_)))

@@ -1,9 +1,9 @@
 """Datasets of targets on several processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
 
 ``solve`` maps a dataset of targets to one of solutions. ``solve_files`` maps a folder of Parquet files to another one
-and can be interrupted and continued. ``retarget_files`` retargets a folder of motion captures. Workers hold a
-``SolveArm`` or a ``SolveProblem``, with an arm or a problem. ``table`` and ``numbers`` convert numpy arrays to Arrow
-tables and back.
+and can be interrupted and continued. ``retarget_files`` retargets a folder of motion captures. ``build_reach_map`` builds
+a reach map in parts. Workers hold a ``SolveArm`` or a ``SolveProblem``, with an arm or a problem. ``table`` and
+``numbers`` convert numpy arrays to Arrow tables and back.
 """
 
 from importlib.util import find_spec
@@ -14,6 +14,7 @@ if find_spec("ray") is None or find_spec("pyarrow") is None:
 from .datasets import TableSolver, solve
 from .files import solve_files, write_blocks
 from .movements import retarget_files
+from .reach import build_reach_map
 from .solving import SolveArm, SolveProblem
 from .tables import column, numbers, table
 
@@ -21,6 +22,7 @@ __all__ = [
     "SolveArm",
     "SolveProblem",
     "TableSolver",
+    "build_reach_map",
     "column",
     "numbers",
     "retarget_files",

@@ -47,6 +47,8 @@ fn option_tables_equal_the_code() {
         &[("crates/kinopt-arm/src/arm/servo/mod.rs", "")],
         &[],
     );
+    let reach_maps = [("crates/kinopt-arm/src/arm/reach_map/build.rs", "")];
+    assert_same("Reach maps", &reach_maps, &["build_parallel"]);
     let solvers = [
         ("crates/kinopt-solver/src/ik/solver.rs", "Solver::"),
         ("crates/kinopt-solver/src/solver/stopping.rs", "Stopping::"),

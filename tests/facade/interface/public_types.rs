@@ -98,7 +98,8 @@ each! { value:
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
     arm::ArmBuilder<'static>, arm::PoseBounds, arm::Reachability, arm::ServoStatus, arm::JointPath<()>,
-    simd_ik::Chain, simd_ik::LaneOptions,
+    arm::ArmFingerprint, arm::BasePlacement, arm::CellReach, arm::PoseReach, arm::ReachMap, arm::ReachMapBuilder<'static>,
+    arm::ReachMapData, simd_ik::Chain, simd_ik::LaneOptions,
 }
 
 each! { value:
@@ -166,7 +167,7 @@ each! { error:
     collision::ShapeError, collision::WorldError, collision::CollisionModelError,
     motion::trajectory::MotionError, animation::LayerError, animation::ClipError,
     animation::HandleError, animation::NoEffector, animation::NotFinite, animation::SizeMismatch,
-    animation::StateMachineError, animation::curve::KeyError, arm::ArmError, arm::QueryError,
+    animation::StateMachineError, animation::curve::KeyError, arm::ArmError, arm::QueryError, arm::ReachMapError,
     ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError, io::FormatError,
     io::gltf::SceneError, io::gltf::UnwritableScene, kinematics::KinematicsError, model::ModelError,
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,

@@ -8,7 +8,7 @@ use super::recording::{outcome_of, record, result_of};
 use super::solve_query::solve_query;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError};
-use crate::simd_ik::{Attempts, Work};
+use crate::simd_ik::{Attempts, PoseSolver, Work};
 use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::ik::Solution;
 
@@ -92,18 +92,49 @@ fn run_batch(
     let Some(simd_solver) = arm.simd_solver.as_ref().filter(|_| is_batchable) else {
         return Ok(false);
     };
+    let attempts = options.attempts.min(BATCH_ATTEMPTS);
+    run_attempts(arm, simd_solver, targets, starts, attempts, q, outcomes)?;
+    Ok(true)
+}
+
+fn run_attempts(
+    arm: &Arm,
+    simd_solver: &PoseSolver,
+    targets: &[Placement<f64>],
+    starts: &[f64],
+    attempts: u32,
+    q: &mut [f64],
+    outcomes: &mut [PoseOutcome],
+) -> Result<(), QueryError> {
     simd_solver.run(Work {
         targets,
         starts,
-        search: options.search.preference(),
-        attempts: Attempts::UpTo(options.attempts.min(BATCH_ATTEMPTS)),
+        search: arm.options.search.preference(),
+        attempts: Attempts::UpTo(attempts),
         deadline: None,
         q,
         outcomes,
     });
     #[cfg(feature = "collision")]
     reject_collisions(arm, q, outcomes)?;
-    Ok(true)
+    Ok(())
+}
+
+/// Solves a validated batch by at most `attempts` attempts of each query and no further search.
+///
+/// Queries of an arm without a SIMD solver are not reached.
+pub(super) fn outcomes_of_attempts(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    starts: &[f64],
+    attempts: u32,
+    q: &mut [f64],
+    outcomes: &mut [PoseOutcome],
+) -> Result<(), QueryError> {
+    match &arm.simd_solver {
+        Some(simd_solver) => run_attempts(arm, simd_solver, targets, starts, attempts, q, outcomes),
+        None => Ok(()),
+    }
 }
 
 /// Solves the queries of one chunk into slices.

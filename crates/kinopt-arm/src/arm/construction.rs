@@ -128,6 +128,11 @@ impl Arm {
     }
 }
 
+/// The same arm with other options and with the same checker.
+pub(super) fn with_options(arm: &Arm, options: Options) -> Result<Arm, ArmError> {
+    with_chain(arm, arm.serial.clone(), options)
+}
+
 /// The same arm with another chain and other options, and with the same checker.
 fn with_chain(arm: &Arm, serial: Serial, mut options: Options) -> Result<Arm, ArmError> {
     options.weigh_radians(serial.model.reach());

@@ -53,6 +53,7 @@ mod options;
 mod pose_problem;
 mod query;
 mod rate_limits;
+mod reach_map;
 mod reachability;
 mod recording;
 mod redundancy;
@@ -85,5 +86,9 @@ pub use joint_path::JointPath;
 pub use kinopt_solver::ik::JointJump;
 pub use kinopt_solver::task::{Axis, PoseBounds};
 pub use options::Search;
+pub use reach_map::{
+    ArmFingerprint, BasePlacement, CellReach, PoseReach, ReachMap, ReachMapBuilder, ReachMapData,
+    ReachMapError,
+};
 pub use reachability::Reachability;
 pub use servo::{HeldBy, Servo, ServoStatus, ServoStep};

@@ -8,13 +8,15 @@ use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 use super::axis_chain::{AxisChain, AxisMotion};
-use super::joint_box::{JointBox, MAX_JOINTS};
+use super::joint_box::{JointBox, MAX_ARM_JOINTS, MAX_JOINTS};
 
 /// Largest number of points of the tool that a proof compares with the target.
 pub(super) const MAX_POINTS: usize = 4;
 
+/// Most joints with terms of second order: those of an arm and the rotations of a cell, whose translations are outermost.
+const MAX_INNER: usize = MAX_ARM_JOINTS + 3;
 /// Most terms of second order: two for each rotation, and one for each pair of joints of one half of the arm.
-const MAX_NOISES: usize = 2 * MAX_JOINTS + MAX_JOINTS * (MAX_JOINTS - 1) / 2;
+const MAX_NOISES: usize = 2 * MAX_INNER + MAX_INNER * (MAX_INNER - 1) / 2;
 
 /// Terms of second and third order below which division cannot exclude a box, in metres summed over the points.
 const NEGLIGIBLE: f64 = 1e-10;
@@ -214,6 +216,26 @@ impl AffineForm {
             .enumerate()
             .max_by(|a, b| a.1.total_cmp(b.1))?;
         (*largest.1 > NEGLIGIBLE).then_some(largest.0)
+    }
+
+    /// Returns true if a coordinate of a point is nowhere zero: its centre exceeds the sum of all other terms.
+    pub(super) fn is_away_along_an_axis(&self) -> bool {
+        let absolute = |v: Vector3<f64>| v.to_array().map(f64::abs);
+        (0..self.points).any(|point| {
+            let mut spread = [self.remainder[point]; 3];
+            let linear = self.inner.clone().map(|joint| self.linear[joint][point]);
+            let noises = self.noises().iter().map(|noise| noise.vectors[point]);
+            for term in linear.chain(noises) {
+                for (spread, size) in spread.iter_mut().zip(absolute(term)) {
+                    *spread += size;
+                }
+            }
+            let centre = absolute(self.centre[point]);
+            centre
+                .iter()
+                .zip(&spread)
+                .any(|(centre, spread)| centre > spread)
+        })
     }
 
     /// Largest value of `Σ weights·(noises + r)` over all points.

@@ -2,8 +2,8 @@
 
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
-use super::joint_box::{JointBox, MAX_JOINTS};
-use crate::simd_ik::Chain;
+use super::joint_box::{JointBox, MAX_ARM_JOINTS};
+use crate::simd_ik::{Chain, ChainJoint};
 
 /// Motion of a joint about or along the z axis of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,22 +24,30 @@ pub(super) struct AxisJoint {
 #[derive(Clone, Debug)]
 pub(super) struct AxisChain {
     pub(super) joints: Vec<AxisJoint>,
+    /// Number of translations at the base along the negative axes of the base frame: 3 in a chain of a cell, else 0.
+    pub(super) cell_translations: usize,
     pub(super) last_joint_from_tool: Placement<f64>,
     /// All configurations within the limits, up to whole revolutions.
     pub(super) limits: JointBox,
 }
 
 impl AxisChain {
-    /// Turns the frames of a chain so that the joints' axes are z. Returns `None` for more than [`MAX_JOINTS`] joints
-    /// and for an unlimited prismatic joint.
+    /// Turns the frames of a chain so that the joints' axes are z. Returns `None` for more than [`MAX_ARM_JOINTS`]
+    /// joints and for an unlimited prismatic joint.
     pub(super) fn new(chain: &Chain) -> Option<Self> {
-        if chain.joints().len() > MAX_JOINTS {
-            return None;
+        match chain.joints().len() > MAX_ARM_JOINTS {
+            true => None,
+            false => Self::of_joints(chain.joints(), chain.joint_from_tip()),
         }
+    }
+
+    /// A chain of at most [`MAX_JOINTS`](super::joint_box::MAX_JOINTS) joints with unit axes; `None` for an unlimited
+    /// prismatic joint.
+    pub(super) fn of_joints(chain: &[ChainJoint], joint_from_tip: &Placement<f64>) -> Option<Self> {
         let mut limits = JointBox::default();
-        let mut joints = Vec::with_capacity(chain.joints().len());
+        let mut joints = Vec::with_capacity(chain.len());
         let mut turned_from_last = Placement::identity();
-        for (index, joint) in chain.joints().iter().enumerate() {
+        for (index, joint) in chain.iter().enumerate() {
             let motion = match joint.kind.slides() {
                 true => AxisMotion::Translation,
                 false => AxisMotion::Rotation,
@@ -58,7 +66,8 @@ impl AxisChain {
         }
         Some(Self {
             joints,
-            last_joint_from_tool: turned_from_last * *chain.joint_from_tip(),
+            cell_translations: 0,
+            last_joint_from_tool: turned_from_last * *joint_from_tip,
             limits,
         })
     }

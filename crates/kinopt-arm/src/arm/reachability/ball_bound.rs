@@ -18,13 +18,28 @@ pub(super) struct AxisPoint {
     pub(super) point: Vector3<f64>,
 }
 
+/// Ball of positions, metres.
 #[derive(Clone, Copy, Debug)]
-struct PointBall {
-    centre: Vector3<f64>,
-    radius: f64,
+pub(super) struct PointBall {
+    pub(super) centre: Vector3<f64>,
+    pub(super) radius: f64,
 }
 
 impl PointBall {
+    /// Ball in the base frame that contains the tool's position at every configuration within the limits.
+    pub(super) fn of_tool(chain: &AxisChain) -> Self {
+        let mut ball = Self {
+            centre: chain.last_joint_from_tool.translation,
+            radius: 0.0,
+        };
+        let JointBox { centre, half_width } = &chain.limits;
+        for (index, joint) in chain.joints.iter().enumerate().rev() {
+            ball = ball.moved(joint.motion, centre[index], half_width[index]);
+            ball = ball.placed(&joint.parent_from_joint);
+        }
+        ball
+    }
+
     /// Ball around a ball that a joint moves from `centre − half_width` to `centre + half_width`.
     fn moved(self, motion: AxisMotion, centre: f64, half_width: f64) -> Self {
         let Vector3 { x, y, z } = self.centre;
@@ -96,14 +111,24 @@ impl AxisPoint {
         // Lower bound of the point's distance from the origin of the joint frame at hand, which joints with concurrent
         // axes keep.
         let mut min_distance = self.point.norm();
+        // Translations of a cell move the target instead, by a box whose half diagonal is less than the sum of its sides.
+        let outer = chain.cell_translations;
+        let mut first_origin = Vector3::zero();
         for (index, joint) in chain.joints[..self.cut].iter().enumerate().rev() {
+            if index <= outer {
+                first_origin = joint.parent_from_joint.apply(first_origin);
+            }
+            if index < outer {
+                of_arm = of_arm.placed(&joint.parent_from_joint);
+                continue;
+            }
             min_distance = min_distance.max(of_arm.centre.norm() - of_arm.radius);
             if joint.motion == AxisMotion::Translation {
                 min_distance -= centre[index].abs() + half_width[index];
             }
             of_arm = of_arm.moved(joint.motion, centre[index], half_width[index]);
             of_arm = of_arm.placed(&joint.parent_from_joint);
-            if index > 0 {
+            if index > outer {
                 min_distance -= joint.parent_from_joint.translation.norm();
             }
         }
@@ -113,14 +138,18 @@ impl AxisPoint {
             of_target = of_target.moved(joint.motion, -centre[index], half_width[index]);
         }
         of_target = of_target.placed(base_from_last_joint);
+        if outer == 3 {
+            of_target.centre += Vector3::new(centre[0], centre[1], centre[2]);
+            of_target.radius += Vector3::new(half_width[0], half_width[1], half_width[2]).norm();
+        }
         let distance = (of_arm.centre - of_target.centre).norm();
         if distance > of_arm.radius + of_target.radius + tolerance {
             return true;
         }
-        let Some(first) = chain.joints.first().filter(|_| self.cut > 0) else {
+        if self.cut <= outer {
             return false;
-        };
-        let from_first = (of_target.centre - first.parent_from_joint.translation).norm();
+        }
+        let from_first = (of_target.centre - first_origin).norm();
         from_first + of_target.radius + tolerance < min_distance
     }
 }

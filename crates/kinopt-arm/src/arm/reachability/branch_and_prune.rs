@@ -64,9 +64,19 @@ impl BoxSearch {
         base_from_tool: &Placement<f64>,
         max_boxes: usize,
     ) -> BoxSearchEnd {
+        self.run_within(self.chain.limits, base_from_tool, max_boxes)
+    }
+
+    /// Divides a box of joint values as [`run`](Self::run) does the limits.
+    pub(super) fn run_within(
+        &self,
+        limits: JointBox,
+        base_from_tool: &Placement<f64>,
+        max_boxes: usize,
+    ) -> BoxSearchEnd {
         let base_from_last_joint = *base_from_tool * self.chain.last_joint_from_tool.inverse();
         let mut boxes = 0;
-        let mut stack = vec![self.chain.limits];
+        let mut stack = vec![limits];
         while let Some(mut joint_box) = stack.pop() {
             let mut narrowings = 0;
             loop {
@@ -132,6 +142,9 @@ impl BoxSearch {
             AffineForm::of_target(chain, cut, &self.points, joint_box, base_from_last_joint);
         let mut difference = of_arm.minus(&of_target);
         difference.widen(tolerance);
+        if chain.cell_translations > 0 && difference.is_away_along_an_axis() {
+            return None;
+        }
         let test = LinearTest::new(&difference, joints);
         if test.excludes() {
             return None;

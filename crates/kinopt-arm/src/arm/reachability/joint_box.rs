@@ -1,7 +1,10 @@
 //! Box of joint values.
 
 /// Largest number of free joints of an arm for which unreachability can be proven.
-pub(super) const MAX_JOINTS: usize = 8;
+pub(super) const MAX_ARM_JOINTS: usize = 8;
+/// Largest number of joints of a chain: those of an arm, and three translations and three rotations for the coordinates
+/// of a cell of poses.
+pub(super) const MAX_JOINTS: usize = MAX_ARM_JOINTS + 6;
 
 /// Joint values within `centre` ± `half_width`, radians or metres. Values beyond the chain's joints are 0.
 #[derive(Clone, Copy, Debug, Default)]

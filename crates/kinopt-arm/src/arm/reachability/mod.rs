@@ -4,6 +4,7 @@ mod affine_form;
 mod axis_chain;
 mod ball_bound;
 mod branch_and_prune;
+mod cell_search;
 mod joint_box;
 mod linear_test;
 
@@ -12,6 +13,7 @@ use super::{Axis, PoseBounds, QueryError};
 use axis_chain::AxisChain;
 use ball_bound::AxisPoint;
 pub(super) use branch_and_prune::{BoxSearch, BoxSearchEnd};
+pub(super) use cell_search::{CellSearch, Interval, OrientationCell};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 use kinopt_solver::ik::Solution;
 
