@@ -20,9 +20,8 @@ const PLANAR: &str = r#"<robot name="planar"><link name="base"/><link name="a"/>
   <joint name="third" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.3 0 0"/>
     <axis xyz="0 0 1"/><limit lower="-2.9" upper="2.9" effort="1" velocity="1"/></joint>
   <joint name="end" type="fixed"><parent link="c"/><child link="tip"/><origin xyz="0.1 0 0"/></joint></robot>"#;
-const FARTHEST: f64 = 0.8;
 /// Steps of coarse maps, metres and radians.
-const STEP: f64 = 0.3;
+const STEP: f64 = 0.4;
 const ANGLE: f64 = FRAC_PI_2;
 
 static UR5E: LazyLock<(Arm, ReachMap)> = LazyLock::new(|| {
@@ -59,23 +58,38 @@ fn random_pose(random: &mut Random, size: f64) -> Placement<f64> {
     Placement::new(rotation, position.into())
 }
 
+/// Smallest and largest distance of the planar arm's tip from its base, by brute force over the limits.
+fn planar_ring() -> (f64, f64) {
+    let angles = || (-290..=290).map(|hundredth| 0.01 * f64::from(hundredth));
+    let distances = angles().flat_map(|second| {
+        angles().map(move |third| {
+            let x = 0.4 + 0.3 * second.cos() + 0.1 * (second + third).cos();
+            x.hypot(0.3 * second.sin() + 0.1 * (second + third).sin())
+        })
+    });
+    distances.fold((f64::INFINITY, 0.0), |(least, most), distance| {
+        (distance.min(least), distance.max(most))
+    })
+}
+
 #[test]
-fn planar_arm_fills_a_disc() {
+fn planar_arm_fills_a_ring() {
+    let (nearest, farthest) = planar_ring();
     let arm = planar(PoseBounds::position());
-    let step = 0.05;
+    let step = 0.1;
     let map = ReachMap::builder(&arm)
         .with_position_step(step)
         .build()
         .unwrap();
     let (mut reached, mut proven) = (0, 0);
-    for column in -18..=18_i32 {
-        for row in -18..=18_i32 {
+    for column in -9..=9_i32 {
+        for row in -9..=9_i32 {
             let [x, y] = [column, row].map(|cell| step * f64::from(cell));
             let (distance, half_diagonal) = (x.hypot(y), step * 0.75_f64.sqrt());
             let centre = Placement::translation(Vector3::new(x, y, 0.0));
             match map.query(&centre).unwrap() {
                 CellReach::Unreachable => {
-                    assert!(distance > FARTHEST, "{x} {y}");
+                    assert!(distance < nearest || distance > farthest, "{x} {y}");
                     proven += 1;
                 }
                 CellReach::Reached { configuration } => {
@@ -84,18 +98,20 @@ fn planar_arm_fills_a_disc() {
                     reached += 1;
                 }
                 CellReach::Unknown => {
-                    assert!((distance - FARTHEST).abs() < half_diagonal, "{x} {y}");
+                    let border = (distance - nearest).abs().min((distance - farthest).abs());
+                    assert!(border < half_diagonal, "{x} {y}");
                 }
             }
             let above = Placement::translation(Vector3::new(x, y, 1.01 * step));
-            assert_eq!(map.query(&above).unwrap(), CellReach::Unreachable);
+            let reach = map.query(&above).unwrap();
+            assert!(!matches!(reach, CellReach::Reached { .. }));
         }
     }
-    assert!(reached > 700 && proven > 400, "{reached} {proven}");
+    assert!(reached > 170 && proven > 60, "{reached} {proven}");
 }
 
 #[test]
-fn planar_poses_without_plane_are_unreachable() {
+fn planar_poses_outside_the_plane_are_not_reached() {
     let arm = planar(PoseBounds::pose());
     let map = ReachMap::builder(&arm)
         .with_position_step(0.2)
@@ -106,20 +122,17 @@ fn planar_poses_without_plane_are_unreachable() {
     let mut proven = 0;
     for _ in 0..500 {
         let pose = random_pose(&mut random, 0.7);
-        if pose.translation.z.abs() > 0.2 {
-            proven += 1;
-            assert_eq!(map.query(&pose).unwrap(), CellReach::Unreachable);
-        }
+        let reach = map.query(&pose).unwrap();
+        proven += usize::from(reach == CellReach::Unreachable);
         // A tilt far beyond the bins of the plane's orientations.
-        if pose.rotation.z.z < 0.3 {
-            let reach = map.query(&pose).unwrap();
+        if pose.translation.z.abs() > 0.2 || pose.rotation.z.z < 0.3 {
             assert!(!matches!(reach, CellReach::Reached { .. }));
         }
         let q = random.configuration(&arm);
         let reached = arm.base_from_tool(&q).unwrap();
         assert_ne!(map.query(&reached).unwrap(), CellReach::Unreachable);
     }
-    assert!(proven > 300);
+    assert!(proven > 150, "{proven}");
 }
 
 #[test]
