@@ -76,14 +76,14 @@ fn planar_ring() -> (f64, f64) {
 fn planar_arm_fills_a_ring() {
     let (nearest, farthest) = planar_ring();
     let arm = planar(PoseBounds::position());
-    let step = 0.1;
+    let step = 0.2;
     let map = ReachMap::builder(&arm)
         .with_position_step(step)
         .build()
         .unwrap();
     let (mut reached, mut proven) = (0, 0);
-    for column in -9..=9_i32 {
-        for row in -9..=9_i32 {
+    for column in -4..=4_i32 {
+        for row in -4..=4_i32 {
             let [x, y] = [column, row].map(|cell| step * f64::from(cell));
             let (distance, half_diagonal) = (x.hypot(y), step * 0.75_f64.sqrt());
             let centre = Placement::translation(Vector3::new(x, y, 0.0));
@@ -107,14 +107,14 @@ fn planar_arm_fills_a_ring() {
             assert!(!matches!(reach, CellReach::Reached { .. }));
         }
     }
-    assert!(reached > 170 && proven > 60, "{reached} {proven}");
+    assert!(reached > 40 && proven > 10, "{reached} {proven}");
 }
 
 #[test]
 fn planar_poses_outside_the_plane_are_not_reached() {
     let arm = planar(PoseBounds::pose());
     let map = ReachMap::builder(&arm)
-        .with_position_step(0.2)
+        .with_position_step(0.4)
         .with_orientation_step(0.8)
         .build_parallel()
         .unwrap();
@@ -125,14 +125,14 @@ fn planar_poses_outside_the_plane_are_not_reached() {
         let reach = map.query(&pose).unwrap();
         proven += usize::from(reach == CellReach::Unreachable);
         // A tilt far beyond the bins of the plane's orientations.
-        if pose.translation.z.abs() > 0.2 || pose.rotation.z.z < 0.3 {
+        if pose.translation.z.abs() > 0.4 || pose.rotation.z.z < 0.3 {
             assert!(!matches!(reach, CellReach::Reached { .. }));
         }
         let q = random.configuration(&arm);
         let reached = arm.base_from_tool(&q).unwrap();
         assert_ne!(map.query(&reached).unwrap(), CellReach::Unreachable);
     }
-    assert!(proven > 150, "{proven}");
+    assert!(proven > 20, "{proven}");
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn decisions_are_those_of_exact_solutions() {
             other => panic!("{other:?}"),
         }
     }
-    let poses: Vec<_> = (0..200).map(|_| random_pose(&mut random, 0.8)).collect();
+    let poses: Vec<_> = (0..60).map(|_| random_pose(&mut random, 0.8)).collect();
     let mut q = vec![0.0; 6 * poses.len()];
     let mut reached = vec![None; poses.len()];
     map.decide_into(arm, &poses, 4, &mut q, &mut reached)
