@@ -30,6 +30,8 @@ const MAX_CANDIDATE_ERROR: f64 = 0.3;
 const TWIN_DISTANCES: [f64; 4] = [-0.1, -0.01, 0.01, 0.1];
 /// Largest difference of a simple root of the polynomial from the joint of its solution, radians.
 const ROOT_DISTANCE: f64 = 0.01;
+/// Error below which a polished candidate that is no root may be halfway between two, lengths of the arm and radians.
+const MAX_TWIN_ERROR: f64 = 1e-3;
 /// Number of numberings of an arm without a closed form.
 const NUMBERINGS: usize = 4;
 /// Sizes of the perturbation among which an arm chooses, lengths of the arm and radians.
@@ -269,6 +271,10 @@ impl SixRevolute {
                 }
             } else {
                 dropped += usize::from(index <= given);
+                // Halfway between two close roots the error is stationary.
+                if is_elimination && index <= given && error.is_within(MAX_TWIN_ERROR) {
+                    add_twins(&self.axes, self.tool, &q, &mut set.candidates);
+                }
                 set.near.push((q, error));
             }
         }
