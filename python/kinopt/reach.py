@@ -25,7 +25,8 @@ def save(reach_map: ReachMap, path: str | os.PathLike[str]) -> None:
     arrays = reach_map.arrays()
     try:
         if _ending(path) == ".npz":
-            np.savez_compressed(path, version=np.array([_VERSION]), **arrays)
+            contents: dict[str, Any] = {"version": np.array([_VERSION]), **arrays}
+            np.savez_compressed(path, **contents)
             return
         pa = load("pyarrow", "tables", "save()")
         load("pyarrow.ipc", "tables", "save()")

@@ -366,6 +366,7 @@ fn variations(coefficients: &[f64], noise: f64) -> Variations {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests")]
 mod tests {
     use super::{Angle, RootFinder, Trigonometric};
     use kinopt_kinematics::random::RandomStream;

@@ -164,10 +164,11 @@ impl<'a> ReachMapBuilder<'a> {
             true => OrientationBins::new(self.orientation_step),
             false => Some(OrientationBins { per_face: 0 }),
         };
-        let cells = (2.0 * radius / step + 1.0).powi(3)
+        let cubed = |count: f64| count * count * count;
+        let cells = cubed(2.0 * radius / step + 1.0)
             * match bins {
                 Some(bins) => bins.count() as f64,
-                None => 24.0 * (1.0 + 1.6 / self.orientation_step).powi(3),
+                None => 24.0 * cubed(1.0 + 1.6 / self.orientation_step),
             };
         let grid = CubeGrid::around(centre, radius, step);
         let (Some(grid), Some(bins), true) = (grid, bins, cells <= MAX_CELLS) else {

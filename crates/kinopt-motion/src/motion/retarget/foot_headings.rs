@@ -93,6 +93,7 @@ impl Retargeting<'_> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests")]
 mod tests {
     use super::turn;
     use kinopt_kinematics::spatial::Vector3;

@@ -118,6 +118,7 @@ fn turn_towards(arm: DVec3, fixed: DVec3, direction: DVec3) -> DQuat {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests")]
 mod tests {
     use super::turn_towards;
     use glam::DVec3;
