@@ -155,9 +155,9 @@ const FINGER_WORDS: [(FingerName, &[&str]); 5] = [
 ];
 
 /// Words that only say that something is a bone, or name a bone's part that carries the limb.
-const NEUTRAL_WORDS: [&str; 17] = [
+const NEUTRAL_WORDS: [&str; 18] = [
     "link", "joint", "bone", "jnt", "def", "bip", "bn", "bind", "skin", "b", "j", "c", "bend",
-    "base", "sk", "main", "d",
+    "base", "cc", "sk", "main", "d",
 ];
 
 /// Parts of names of bones that are no joints of a limb: controls, helpers, ends and accessories.
